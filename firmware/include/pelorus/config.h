@@ -39,6 +39,12 @@
 #define PEL_IMU_RING 256
 #endif
 
+/* Satellites whose navigation messages are collected at the same time, in each receiver decoder; 128 bytes each. */
+#ifndef PEL_NAV_SLOTS
+#define PEL_NAV_SLOTS 48
+#endif
+#define PEL_NAV_BYTES 120 /* one satellite's parts: the largest is BeiDou D2, ten pages of 12 bytes */
+
 /* Longest frame a byte decoder accepts: a UBX RXM-RAWX with PEL_MAX_OBS signals, or an RTCM 3 frame (1029). */
 #define PEL_RAWX_FRAME_BYTES (8 + 16 + 32 * PEL_MAX_OBS)
 #define PEL_MAX_FRAME_BYTES ((PEL_RAWX_FRAME_BYTES > 1100) ? PEL_RAWX_FRAME_BYTES : 1100)
@@ -48,6 +54,7 @@ _Static_assert(PEL_MAX_SATS >= 8 && PEL_MAX_SATS <= 96, "PEL_MAX_SATS: 8 to 96")
 _Static_assert(PEL_MAX_EPH >= 8 && PEL_MAX_EPH <= 200, "PEL_MAX_EPH: 8 to 200");
 _Static_assert(PEL_MAX_STATES >= 18 && PEL_MAX_STATES <= 96, "PEL_MAX_STATES: 18 to 96");
 _Static_assert(PEL_MAX_AMB >= 6 && PEL_MAX_AMB <= 64, "PEL_MAX_AMB: 6 to 64");
+_Static_assert(PEL_NAV_SLOTS >= 4 && PEL_NAV_SLOTS <= 128, "PEL_NAV_SLOTS: 4 to 128");
 _Static_assert(PEL_IMU_RING >= 16 && (PEL_IMU_RING & (PEL_IMU_RING - 1)) == 0, "PEL_IMU_RING: a power of two");
 
 #endif
