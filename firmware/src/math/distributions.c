@@ -1,5 +1,5 @@
 /* distributions.c - normal and chi-square probabilities and their inverses. */
-#include "bits.h"
+#include "float_bits.h"
 #include "pelorus/math.h"
 
 static const double SQRT_HALF = 0.70710678118654752440;

@@ -1,5 +1,5 @@
 /* exponential.c - exponential and natural logarithm. Polynomials as in trigonometry.c. */
-#include "bits.h"
+#include "float_bits.h"
 #include "pelorus/math.h"
 
 static const double LN2_HI = 0x1.62e42fefa3800p-1; /* first 42 bits of ln 2: k LN2_HI is exact for |k| < 2048 */

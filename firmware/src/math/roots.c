@@ -1,5 +1,5 @@
 /* roots.c - square roots and rounding, exact on every machine. */
-#include "bits.h"
+#include "float_bits.h"
 #include "pelorus/math.h"
 
 /* The square-root instruction itself: a builtin may call the C library for negative arguments. */

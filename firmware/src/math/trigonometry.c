@@ -2,7 +2,7 @@
  *
  * Reduction by multiples of pi/2 in three parts (Cody and Waite 1980), polynomials of Chebyshev interpolation computed
  * with 200 bits for the intervals named beside them. */
-#include "bits.h"
+#include "float_bits.h"
 #include "pelorus/math.h"
 
 #define MAX_ANGLE 1.0e6 /* n below 2^20, so that n times a 33-bit part of pi/2 is exact */

@@ -1,6 +1,6 @@
-/* bits.h - a double and its bits. Private to math/. */
-#ifndef PELORUS_MATH_BITS_H
-#define PELORUS_MATH_BITS_H
+/* float_bits.h - a double and its bits. Private to math/. */
+#ifndef PELORUS_MATH_FLOAT_BITS_H
+#define PELORUS_MATH_FLOAT_BITS_H
 
 #include <stdint.h>
 #include <string.h>

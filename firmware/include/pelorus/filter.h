@@ -1,0 +1,144 @@
+/* filter.h - the estimator: error state x and its covariance P = U diag(D) U'. Room: filter/.
+ *
+ * U is unit upper triangular, packed by columns without its diagonal; D > 0. Every update is one scalar row; correlated
+ * measurements are whitened before (observe.h). Nothing here knows what a state means.
+ * Closed loop: after the rows of an epoch the navigator subtracts x from its state and clears x.
+ * Sources: Bierman (1977), Factorization Methods for Discrete Sequential Estimation, ch. V; Thornton (1976), JPL TM 33-798
+ * (weighted Gram-Schmidt); Agee and Turner (1972), rank-one update. */
+#ifndef PELORUS_FILTER_H
+#define PELORUS_FILTER_H
+
+#include "pelorus/base.h"
+#include "pelorus/model.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PEL_UD_PACKED (PEL_MAX_STATES * (PEL_MAX_STATES - 1) / 2)
+
+/* Most states that white noise may drive directly in one pel_ud_time_update(). */
+#define PEL_UD_MAX_NOISE 12
+
+/* 1300 bytes in float at PEL_MAX_STATES = 24. Callers may read every field and write x. */
+typedef struct {
+    int n;                     /* states in use */
+    pel_real U[PEL_UD_PACKED]; /* element (i, j), i < j, at j (j - 1) / 2 + i */
+    pel_real D[PEL_MAX_STATES];
+    pel_real x[PEL_MAX_STATES];
+} pel_ud_t;
+
+/* ---- start ----------------------------------------------------------------------------------------------------------- */
+
+/* Diagonal start: n states (1..PEL_MAX_STATES), standard deviations sd > 0, x = 0. PEL_E_RANGE, PEL_E_NOT_POSDEF: ud unchanged. */
+pel_status_t pel_ud_init(pel_ud_t *ud, int n, const pel_real sd[]);
+
+/* Forget states first..first+2 and give them this covariance, uncorrelated with all others (x of them 0). P symmetric, positive
+ * definite, else PEL_E_NOT_POSDEF and ud unchanged. */
+pel_status_t pel_ud_set_block3(pel_ud_t *ud, int first, const double P[3][3]);
+
+/* The same for one state. var > 0. */
+pel_status_t pel_ud_set_variance(pel_ud_t *ud, int i, pel_real var);
+
+/* ---- time -------------------------------------------------------------------------------------------------------------- */
+
+/* P = Phi P Phi' + Q, x = Phi x. PEL_E_RANGE if sizes differ or more than PEL_UD_MAX_NOISE states have noise;
+ * PEL_E_NOT_POSDEF (ud unusable: restart it) if a D is no longer > 0 or not finite.
+ * Cost: weighted Gram-Schmidt on the rows that Phi or Q touches; trailing untouched states cost nothing. 18 states of S5: about
+ * 5 600 multiply-adds. Stack about 3.2 KB at 24 states. */
+pel_status_t pel_ud_time_update(pel_ud_t *ud, const pel_transition_t *t);
+
+/* P = (I + diag(decay)) P (I + diag(decay))' + diag(q): Markov states (pel_model_slow). x decays too. decay > -1, q >= 0. */
+pel_status_t pel_ud_decay(pel_ud_t *ud, const pel_real decay[], const pel_real q[]);
+
+/* P += q c c' with c zero from row k on (Agee and Turner): c has k elements. Destroys c. q >= 0. k^2 multiply-adds. */
+void pel_ud_rank_one(pel_ud_t *ud, int k, pel_real c[], pel_real q);
+
+/* ---- measurement ------------------------------------------------------------------------------------------------------- */
+
+/* Fold in z = h'x + w, E[w^2] = var.
+ *
+ *  h      in   row; elements below `first` are not read and count as zero
+ *  first  in   0..n-1
+ *  z      in   computed - measured (the error state's sign; x need not be 0)
+ *  var    in   > 0
+ *  gate   in   largest accepted innovation / sigma; <= 0 accepts all
+ *  nis    out  innovation^2 over its variance, on PEL_OK and PEL_W_REJECTED; may be NULL
+ *
+ * Returns PEL_OK; PEL_W_REJECTED (gate); PEL_E_NOT_POSDEF (var <= 0 or NaN); PEL_E_RANGE (not finite, index out of range). ud is unchanged
+ * unless PEL_OK. With m = n - first: m (n + first) / 2 ... n^2 multiply-adds; the last three of 18 states cost a third of a dense row. */
+pel_status_t pel_ud_update(pel_ud_t *ud, const pel_real h[], int first, pel_real z, pel_real var, pel_real gate,
+                           pel_real *nis);
+
+/* h P h' of a row (without noise): n (n + 1) / 2 multiply-adds when dense. */
+pel_real pel_ud_hph(const pel_ud_t *ud, const pel_real h[], int first);
+
+/* out = P h, n elements: cross covariances, and together with a second row h2' P h. */
+void pel_ud_ph(const pel_ud_t *ud, const pel_real h[], int first, pel_real out[]);
+
+/* ---- reading P --------------------------------------------------------------------------------------------------------- */
+
+pel_real pel_ud_cov(const pel_ud_t *ud, int i, int j);
+
+/* P[i.., j..], 3x3. */
+void pel_ud_block3(const pel_ud_t *ud, int i, int j, double P[3][3]);
+
+/* ---- states that come and go ---------------------------------------------------------------------------------------------- */
+
+/* Insert a state at index i (0..n), uncorrelated, x = 0. PEL_E_FULL, PEL_E_RANGE, PEL_E_NOT_POSDEF: ud unchanged. At i = n it is free. */
+pel_status_t pel_ud_insert(pel_ud_t *ud, int i, pel_real var);
+
+/* Marginalise state i out: the others keep mean and covariance. i^2 multiply-adds. */
+pel_status_t pel_ud_remove(pel_ud_t *ud, int i);
+
+/* Insert at index i <= j a copy of state j plus independent noise of variance var > 0 (a perfect copy would make P singular). What was at j
+ * is then at j + 1. x is copied. */
+pel_status_t pel_ud_clone(pel_ud_t *ud, int j, int i, pel_real var);
+
+/* ---- health ---------------------------------------------------------------------------------------------------------------- */
+
+/* PEL_OK; PEL_E_NOT_POSDEF if a D is not > 0; PEL_E_RANGE if anything is not finite. */
+pel_status_t pel_ud_check(const pel_ud_t *ud);
+
+/* FNV-1a (32 bit) of n, U, D, x, little-endian bytes whatever the machine: equal hashes, equal filters. Continues from seed;
+ * start with PEL_FNV_START. */
+#define PEL_FNV_START UINT32_C(2166136261)
+uint32_t pel_ud_hash(const pel_ud_t *ud, uint32_t seed);
+uint32_t pel_fnv1a(const void *bytes, size_t n, uint32_t seed);
+
+/* ---- propagation at IMU rate --------------------------------------------------------------------------------------------- */
+
+/* Collects strapdown steps into substeps of the time update: mean specific force, mean attitude. */
+typedef struct {
+    double dv_f_e[3];     /* sum since the last time update */
+    double C_start[3][3]; /* attitude there */
+    double dt_s;
+    double slow_s; /* since the last decay of Markov states */
+    bool started;
+} pel_propagator_t;
+
+#define PEL_SUBSTEP_S 0.05 /* longest substep of the INS time update */
+#define PEL_SLOW_S    1.0  /* interval of Markov decay */
+
+void pel_propagator_init(pel_propagator_t *p);
+
+/* Before the first step of a substep: remember where the attitude starts. Cheap when already started. */
+void pel_propagator_begin(pel_propagator_t *p, const double C_b_e[3][3]);
+
+/* After each strapdown step: add its specific-force increment; runs the time update when PEL_SUBSTEP_S is reached.
+ *  C_b_e, r_e  in  after the step
+ * Returns pel_ud_time_update()'s status; PEL_W_RUNNING when nothing was due. */
+pel_status_t pel_propagator_add(pel_propagator_t *p, const pel_model_t *m, const double dv_f_e[3], double dt_s,
+                                const double C_b_e[3][3], const double r_e[3], pel_ud_t *ud);
+
+/* Bring ud to now: time update of what is collected, and Markov decay when due (every PEL_SLOW_S). Before rows and outputs. */
+pel_status_t pel_propagator_flush(pel_propagator_t *p, const pel_model_t *m, const double C_b_e[3][3],
+                                  const double r_e[3], pel_ud_t *ud);
+
+/* Model without IMU: time update over dt_s (split into substeps of at most 1 s). */
+pel_status_t pel_propagate_gnss(const pel_model_t *m, const double r_e[3], double dt_s, pel_ud_t *ud);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,111 @@
+/* model.h - error models of the filter as lists of blocks, and their transition matrices. Room: model/.
+ *
+ * A model says which error states there are, in what order, and what drives them. The order puts what measurements touch
+ * last, so that their rows change only the last columns of the factors (filter.h). Error = computed - true;
+ * C~_b_e = (I + [psi x]) C_b_e; sensor error = measured - true. */
+#ifndef PELORUS_MODEL_H
+#define PELORUS_MODEL_H
+
+#include "pelorus/base.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- sensors ----------------------------------------------------------------------------------------------------- */
+
+/* What an IMU's errors are, per axis. */
+typedef struct {
+    double arw_rad_rts;   /* gyro white noise (angle random walk), rad/sqrt(s) */
+    double vrw_mps_rts;   /* accelerometer white noise (velocity random walk), m/s/sqrt(s) */
+    double sd_bg_radps;   /* gyro constant, 1 sigma */
+    double sd_gm_radps;   /* gyro Markov, stationary 1 sigma */
+    double tau_gm_s;      /* and its time constant, >= 10 s */
+    double sd_am_mps2;    /* accelerometer Markov, stationary 1 sigma */
+    double tau_am_s;      /* >= 10 s */
+    double accel_psd_rts; /* model without IMU: white acceleration, m/s^2 sqrt(s) = m/s/sqrt(s) per axis */
+} pel_imu_model_t;
+
+typedef enum {
+    PEL_IMU_GRADE_TACTICAL = 0, /* S5 reference: 0.01 deg/h, 0.001 deg/sqrt(h), 10 ug */
+    PEL_IMU_GRADE_MEMS = 1      /* consumer MEMS: 0.3 deg/s switch-on, 0.3 deg/sqrt(h), 30 mg */
+} pel_imu_grade_t;
+
+void pel_imu_model_preset(pel_imu_grade_t grade, pel_imu_model_t *imu);
+
+/* ---- blocks ------------------------------------------------------------------------------------------------------- */
+
+typedef enum {
+    PEL_BLOCK_GYRO_CONSTANT = 0,  /* rad/s, b */
+    PEL_BLOCK_GYRO_MARKOV = 1,    /* rad/s, b */
+    PEL_BLOCK_ACCEL_CONSTANT = 2, /* m/s^2, b */
+    PEL_BLOCK_ACCEL_MARKOV = 3,   /* m/s^2, b */
+    PEL_BLOCK_LEVER_ARM = 4,      /* m, b */
+    PEL_BLOCK_CLONE = 5,          /* copies of earlier states */
+    PEL_BLOCK_ATTITUDE = 6,       /* psi, rad, e */
+    PEL_BLOCK_VELOCITY = 7,       /* m/s, e */
+    PEL_BLOCK_POSITION = 8,       /* m, e */
+    PEL_BLOCK_AMBIGUITY = 9,      /* cycles */
+    PEL_N_BLOCK = 10
+} pel_block_t;
+
+/* Which states there are. 4 + 20 + 64 bytes. Read freely; change through the functions. */
+typedef struct {
+    int n;                      /* states in all */
+    uint8_t first[PEL_N_BLOCK]; /* index of a block's first state */
+    uint8_t size[PEL_N_BLOCK];  /* its states; 0: not in this model */
+    pel_imu_model_t imu;
+} pel_model_t;
+
+/* The 18 states of S5: gyro constant 0..2, gyro Markov 3..5, accelerometer Markov 6..8, psi 9..11, v 12..14, r 15..17. */
+void pel_model_ins_ecef(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* Without IMU: v 0..2, r 3..5, driven by white acceleration imu->accel_psd_rts. */
+void pel_model_gnss(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* Append a block at the end. PEL_E_FULL beyond PEL_MAX_STATES, PEL_E_RANGE if the block is there already or size < 1. */
+pel_status_t pel_model_append(pel_model_t *m, pel_block_t block, int size);
+
+/* Index of a block's first state, -1 if the model has none. */
+int pel_model_index(const pel_model_t *m, pel_block_t block);
+
+/* Initial standard deviation of every sensor state from m->imu; other states are left alone. sd has m->n elements. */
+void pel_model_sensor_sd(const pel_model_t *m, pel_real sd[PEL_MAX_STATES]);
+
+/* ---- transition ---------------------------------------------------------------------------------------------------- */
+
+#define PEL_MAX_PHI_BLOCKS 14
+
+/* Phi = I + sum of 3x3 blocks, and diagonal noise. What Phi adds to I is stored, not Phi: the float digits go to what is small.
+ * Blocks are sorted by row. 18 states: about 700 bytes. */
+typedef struct {
+    int n;
+    int n_blocks;
+    struct {
+        uint8_t row, col; /* of the block's first element */
+        pel_real m[3][3];
+    } block[PEL_MAX_PHI_BLOCKS];
+    pel_real q[PEL_MAX_STATES]; /* variance added to each state; 0 for most */
+} pel_transition_t;
+
+/* Transition over dt_s (0 < dt_s <= 0.25; 0.05 is usual) to second order: I + F dt + F^2 dt^2/2 (terms below 1e-9 of their
+ * row's error left out: see docs/FILTER.md). Markov decay and noise are not in it: pel_model_slow().
+ *
+ *  f_e    in  specific force resolved in e, mean over the interval (sum of dv_f_e / dt), m/s^2; NULL for a model without IMU
+ *  C_b_e  in  mean over the interval (of start and end); NULL likewise
+ *  r_e    in  position, m
+ *
+ * F (S5 section 4):  psi' = -W psi + C (bg + gm)   v' = -2 W v - [f x] psi + C am + G r   r' = v,  W = [omega_ie x],
+ * G = gravity gradient. Noise: arw^2 dt on psi, vrw^2 dt (or accel_psd^2 dt) on v: equal on the three axes, so the same in e. */
+void pel_model_transition(const pel_model_t *m, const double f_e[3], const double C_b_e[3][3], const double r_e[3],
+                          double dt_s, pel_transition_t *t);
+
+/* Decay and noise of the Markov states over dt_s: call it every second or so. At 0.05 s the decay of an hour's Markov process,
+ * 1 - 1.4e-5, keeps only 8 bits in float, at 1 s 13. decay[i] = exp(-dt/tau) - 1 (0 for other states), q[i] = sd^2 (1 - exp(-2 dt/tau)).
+ * Both have m->n elements. The mean decays alike: b += decay b. */
+void pel_model_slow(const pel_model_t *m, double dt_s, pel_real decay[PEL_MAX_STATES], pel_real q[PEL_MAX_STATES]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
