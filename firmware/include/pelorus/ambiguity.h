@@ -1,0 +1,268 @@
+/* ambiguity.h - integers of carrier phase: float problem, bounded search, error band, verdicts. Room: ambiguity/.
+ *
+ * One epoch, the usual way:
+ *   fill a pel_amb_problem_t with one row a double difference (satellite, carrier)
+ *   pel_amb_float(&problem, &ils, 2, budget)        float ambiguities into the search engine, decorrelated
+ *   while (pel_ils_run(&ils, 500) == PEL_W_RUNNING) between two slices the caller may do other things
+ *   pel_int_validate(&problem, &ils, &limits, &verdict)
+ *   pel_ils_get(&ils, 0, integers, NULL)            if verdict.reason == PEL_INT_OK
+ * or all of it, dropping bad satellites a few times, by pel_amb_resolve().
+ *
+ * All state is the caller's; nothing is kept between calls elsewhere; no call recurses. Derivations: docs/INTEGERS.md. */
+#ifndef PELORUS_AMBIGUITY_H
+#define PELORUS_AMBIGUITY_H
+
+#include "pelorus/base.h"
+#include "pelorus/solution.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Length of a packed lower triangle: element (i, j), j <= i, at i (i + 1) / 2 + j. */
+#define PEL_TRI(n) ((n) * ((n) + 1) / 2)
+
+/* ==== integer least squares: decorrelation and bounded search ================================================== */
+
+/* Most candidates kept. */
+#define PEL_ILS_BEST 4
+
+typedef enum { PEL_ILS_EMPTY = 0, PEL_ILS_SEARCHING, PEL_ILS_OPTIMAL, PEL_ILS_BUDGET } pel_ils_stage_t;
+
+/* One integer least-squares problem: min over integer vectors N of (a - N)' Q^-1 (a - N).
+ * Callers may read the first group and write nothing. At most 16 KB at PEL_MAX_AMB = 40. */
+typedef struct {
+    int32_t nodes;     /* visited so far */
+    int16_t n;         /* ambiguities, 0: empty */
+    int16_t n_best;    /* candidates wanted */
+    int16_t n_found;   /* candidates held */
+    uint8_t stage;     /* pel_ils_stage_t */
+    bool decorrelated; /* false: the cap on swaps was met first (the search is still exact, only slower) */
+    int32_t swaps;     /* exchanges made by the decorrelation */
+    double success;    /* probability that the bootstrapped vector is right, from the decorrelated variances */
+    double adop_cyc;   /* ambiguity dilution of precision det(Q)^(1/2n), cycles */
+    double float_sq;   /* misfit of the float solution and its degrees of freedom, set by pel_amb_float(); else 0 */
+    int32_t float_dof;
+
+    /* private */
+    int32_t budget;
+    int16_t level;
+    double LD[PEL_TRI(PEL_MAX_AMB)]; /* covariance, then Q_z = L D L': unit L with D on its diagonal */
+    union {
+        int32_t back[PEL_MAX_AMB * PEL_MAX_AMB]; /* N = N0 + sum over p of z_p back[p][.] */
+        double scratch[PEL_MAX_AMB * PEL_MAX_AMB / 2];
+    } w;
+    int64_t origin[PEL_MAX_AMB];  /* N0: the integer part removed first */
+    double zhat[PEL_MAX_AMB];     /* decorrelated float ambiguities */
+    double mean[PEL_MAX_AMB];     /* conditional means down to `level` */
+    double cost[PEL_MAX_AMB + 1]; /* partial squared norms of the levels before */
+    int32_t z[PEL_MAX_AMB], step[PEL_MAX_AMB];
+    int32_t best_z[PEL_ILS_BEST][PEL_MAX_AMB];
+    double best_sq[PEL_ILS_BEST]; /* ascending */
+} pel_ils_t;
+
+_Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at most 16 KB at n = 40");
+
+/* Take in a problem: integer part removed, Q = L D L' with symmetric pivoting, integer decorrelation with full size
+ * reduction of a row at each exchange.
+ *
+ *  s       out  engine; on failure unchanged
+ *  n       in   ambiguities, 1..PEL_MAX_AMB
+ *  a       in   [n] float ambiguities, cycles, |a| <= 1e15
+ *  Q       in   [PEL_TRI(n)] covariance, packed lower triangle by rows, cycles^2
+ *  n_best  in   candidates wanted, 1..PEL_ILS_BEST (a ratio needs 2)
+ *  budget  in   nodes after which the search gives up, >= 1
+ *
+ * PEL_E_RANGE: n, n_best or budget out of range, a or Q not finite, |a| too large, a variance above 1e12 cycles^2, or a transform
+ * beyond 31 bits. PEL_E_NOT_POSDEF: Q is not positive definite (a pivot at or below 1e-13 of its variance).
+ * Cost about n^3 / 6 multiply-adds for the factor and n^2 for each of at most PEL_ILS_SWAPS(n) exchanges.
+ * Reference: Teunissen (1995), J. Geodesy 70; Chang, Yang, Zhou (2005), J. Geodesy 79 (pivoting). */
+pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget);
+
+/* Cap on exchanges of the decorrelation. */
+#define PEL_ILS_SWAPS(n) (24 * (n))
+
+/* Search on, at most max_nodes nodes (>= 1): depth first, candidates of a level nearest first, bound = the worst of the best
+ * n_best found. The answer does not depend on how the work is cut into slices.
+ *
+ * PEL_OK        optimal: the n_best vectors of smallest norm, proved
+ * PEL_W_RUNNING slice used, call again
+ * PEL_W_BUDGET  total budget spent: best so far; nothing unexplored has a norm below pel_ils_lower_bound()
+ * PEL_E_MISSING no problem in s
+ * Cost of a node: at most n multiply-adds. */
+pel_status_t pel_ils_run(pel_ils_t *s, int32_t max_nodes);
+
+/* k-th best vector found so far (k = 0 is the best), integers in the order of a, and its squared norm. Either output may be NULL.
+ * PEL_E_MISSING and outputs unchanged: fewer found. */
+pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq);
+
+/* Second over best squared norm (0 if there are not two; at most 1e9). */
+double pel_ils_ratio(const pel_ils_t *s);
+
+/* No vector that was not visited has a smaller squared norm than this. Equals the bound of the last candidate once optimal. */
+double pel_ils_lower_bound(const pel_ils_t *s);
+
+/* ==== the float problem of one epoch ============================================================================ */
+
+/* One double difference against its group's pivot. A group = one system and carrier; its rows follow one another. */
+typedef struct {
+    uint8_t group; /* index into group[] */
+    uint8_t sat;   /* any number that tells satellites apart, < PEL_MAX_SATS; the same on all carriers */
+    bool integer;  /* the phase takes part and its integer is sought */
+    bool code;     /* the code takes part */
+    double g[3];   /* -(u_sat - u_pivot), unit vectors antenna -> satellite */
+    double lambda_m;
+    double phase_m; /* observed - predicted at the position the problem is about, m */
+    double code_m;
+    double var_phase; /* of the satellite's own single difference, m^2, > 0 where used */
+    double var_code;
+} pel_amb_row_t;
+
+typedef struct {
+    uint8_t sat;      /* the pivot */
+    double mu;        /* (f_L1 / f)^2: ionosphere of this carrier in units of that on L1 */
+    double var_phase; /* of the pivot's single difference, m^2 */
+    double var_code;
+} pel_amb_group_t;
+
+#define PEL_AMB_GROUPS 16
+
+/* 3.5 KB at PEL_MAX_AMB = 40. Filled by the caller. */
+typedef struct {
+    int n_rows; /* 0..PEL_MAX_AMB */
+    int n_groups;
+    bool have_prior;  /* P_r is the covariance of the predicted position; else 1 km per axis */
+    double P_r[3][3]; /* m^2 */
+    double var_iono;  /* single-difference ionosphere on L1, m^2; 0: none */
+    pel_amb_group_t group[PEL_AMB_GROUPS];
+    pel_amb_row_t row[PEL_MAX_AMB];
+} pel_amb_problem_t;
+
+/* Build a and Q of the rows with `integer` (in their order) from code, phase and prior, and load them into the engine.
+ * With b = true - predicted position:  code = G b + mu I + e,  phase = G b - mu I + lambda N + e.
+ *
+ *  p       in   problem
+ *  s       out  as pel_ils_init(), float_sq and float_dof included; contents undefined on failure (s->n = 0)
+ *
+ * PEL_E_RANGE: counts or values out of range. PEL_E_MISSING: no integers sought. PEL_E_GEOMETRY: no prior and fewer than 3 code
+ * rows. Else as pel_ils_init(). With ionosphere at most PEL_AMB_IONO_SATS satellites (PEL_E_FULL beyond).
+ * Cost n_code * k^2 with k = 3 (+ satellites, with ionosphere), n^2 * 3 (or 5), then pel_ils_init(). */
+pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best, int32_t budget);
+
+#define PEL_AMB_IONO_SATS 32
+
+/* Number of integers sought. */
+int pel_amb_count(const pel_amb_problem_t *p);
+
+/* Position from phases alone, once their integers are known (the order of the rows with `integer`).
+ *  b, P_b  out  true - predicted position, m, and its covariance
+ *  sq, dof out  weighted squared residuals of the phases; dof = n - 3
+ * PEL_E_GEOMETRY: fewer than 3 integers or singular; outputs unchanged. */
+pel_status_t pel_amb_fixed(const pel_amb_problem_t *p, const int64_t *N, double b[3], double P_b[3][3], double *sq,
+                           int *dof);
+
+/* ==== the error band of a pair of carriers (S5 section 6) ======================================================= */
+
+/* Half width in cycles of the first carrier: max(0.15, 4 sigma_u, 3 sigma_u + iono_max |mu2 - mu1| / lambda1).
+ *  sd1_m, sd2_m  in  DD phase noise of each carrier, m
+ *  iono_max_m    in  largest DD ionosphere believed on L1, m */
+double pel_band_half_width(double lambda1_m, double sd1_m, double sd2_m, double dmu, double iono_max_m);
+
+/* u = N1 - g N2 - phi1 + g phi2, g = lambda2 / lambda1; phi in cycles (DD, any common range removed). True if |u| < half_width < 0.5.
+ * *u may be NULL. */
+bool pel_band_test(int64_t N1, int64_t N2, double phi1_cyc, double phi2_cyc, double g, double half_width, double *u);
+
+#define PEL_BAND_DD   12  /* double differences at most */
+#define PEL_BAND_LIST 256 /* pairs (N1, N2) of one double difference at most */
+
+/* One epoch for BAND: equal variances, as the published method has it. */
+typedef struct {
+    int m; /* double differences, 3..PEL_BAND_DD */
+    double lambda1_m, lambda2_m;
+    double G[PEL_BAND_DD][3]; /* -(u_i - u_0) */
+    double L1_m[PEL_BAND_DD]; /* DD observed - predicted, m */
+    double L2_m[PEL_BAND_DD];
+    double P_m[PEL_BAND_DD];
+    double sd_code_m;  /* undifferenced */
+    double sd_phase_m; /* undifferenced, each carrier */
+    bool have_prior;   /* the predicted position has covariance P_r; it then adds to the code */
+    double P_r[3][3];
+    double half_width_cyc; /* see pel_band_half_width() */
+    double window;         /* lists reach this many sigmas of the adjusted range (4) */
+    double ratio_min;      /* J2 / J1 (2) */
+    int32_t max_triples;   /* cap on work (400 000) */
+} pel_band_input_t;
+
+typedef struct {
+    bool accepted;
+    pel_int_reason_t reason;
+    int32_t N1[PEL_BAND_DD], N2[PEL_BAND_DD]; /* best */
+    int dropped;                              /* DD whose list was empty and that took no part, or -1 */
+    double J1, J2, J_max;                     /* cost of best and second, chi-square limit of J1 */
+    int dof;
+    int32_t n_window; /* integers looked at, longest window */
+    int32_t n_list;   /* longest list */
+    int32_t triples, evaluations;
+
+    /* private */
+    int16_t list[PEL_BAND_DD][PEL_BAND_LIST]; /* N1 - N1 origin, ascending */
+    int16_t list_n[PEL_BAND_DD];
+    int64_t origin1[PEL_BAND_DD], origin2[PEL_BAND_DD];
+} pel_band_t;
+
+/* Integers of one epoch by enumeration of pairs inside the error band: S5 section 7, exactly.
+ * PEL_OK: done, see accepted and reason. PEL_E_FULL: a list would exceed PEL_BAND_LIST. PEL_W_BUDGET: max_triples spent, best so far,
+ * not accepted. PEL_E_RANGE: sizes, variances or values (half width >= 0.5: the band is void). PEL_E_GEOMETRY: singular, or more
+ * than one empty list. On < 0 only `reason`, `accepted` and the counts are meaningful.
+ * Cost: triples (at most max_triples) of about 60 multiply-adds, evaluations of about 20 m.
+ * Reference: Sun, Li, Jiang (Wuhan University); corrected in docs/INTEGERS.md. */
+pel_status_t pel_band_solve(const pel_band_input_t *in, pel_band_t *b);
+
+/* ==== verdicts ================================================================================================== */
+
+typedef struct {
+    double ratio_min;   /* second over best, e.g. 2 (S5) or 3 */
+    double success_min; /* bootstrapped success of the search problem, e.g. 0.99; 0: no limit */
+    double chi2_p;      /* the fixed misfit stays below this quantile, e.g. 0.999 */
+    double prior_sigma; /* the fixed position within this many sigmas of the prior, e.g. 5 */
+    double iono_sigmas; /* largest ionosphere believed in the band, in sigmas of var_iono, e.g. 3 */
+    int n_min;          /* fewest integers, e.g. 4 */
+} pel_int_limits_t;
+
+typedef struct {
+    pel_int_reason_t reason; /* PEL_INT_OK, or the first test that failed in the order of the fields below */
+    uint16_t failed;         /* bit 1 << pel_int_reason_t for every test that failed */
+    double success;
+    double ratio;
+    double chi2, chi2_max; /* float_sq + best squared norm, degrees of freedom chi2_dof */
+    int chi2_dof;
+    double band_worst; /* largest |u| / half width of all pairs; 0 if there is no pair */
+    int n_pairs;
+    double prior_sq; /* Mahalanobis distance squared of the fixed position from the prior; 0 without one */
+    int worst_row;   /* row with the largest normalised fixed residual, -1 if there is none */
+} pel_int_verdict_t;
+
+/* Sane limits: ratio 2, success 0.95, chi-square 99.9 %, prior 5 sigma, ionosphere 3 sigma, 4 integers. */
+void pel_int_limits_default(pel_int_limits_t *limits);
+
+/* Judge what the search found. Every test is made and told apart; none is skipped because another failed.
+ * PEL_INT_BUDGET: the search is not proved. PEL_INT_FEW: fewer than n_min integers.
+ * Returns PEL_OK (see v->reason), PEL_E_MISSING (no candidate in s; v->reason says why it is not fixed). */
+pel_status_t pel_int_validate(const pel_amb_problem_t *p, const pel_ils_t *s, const pel_int_limits_t *limits,
+                              pel_int_verdict_t *v);
+
+/* Float, search, verdict; on refusal drop one satellite (the worst fixed residual where misfit was the reason, else the noisiest
+ * satellite) and try again, at most max_tries solutions in all.
+ *
+ *  p  in/out  rows that were given up have `integer` cleared
+ *  N  out     [PEL_MAX_AMB] by row of p (0 where `integer` is false); unchanged unless PEL_OK
+ *
+ * PEL_OK: fixed. PEL_W_REJECTED: not fixed, v says why (of the first try, which used all integers). < 0: as pel_amb_float().
+ * The node budget is for all tries together. */
+pel_status_t pel_amb_resolve(pel_amb_problem_t *p, pel_ils_t *s, const pel_int_limits_t *limits, int32_t budget,
+                             int max_tries, int64_t *N, pel_int_verdict_t *v);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
