@@ -82,13 +82,19 @@ void world_gravity(const double r_e[3], double g_e[3])
 
 double world_troposphere(double lat, double height, double el, double humidity)
 {
-    const double h = (height < 0.0) ? 0.0 : (height > 11000.0) ? 11000.0 : height;
+    const double h = fmax(-500.0, fmin(20000.0, height));
     const double pressure = 1013.25 * pow(1.0 - 2.2557e-5 * h, 5.2568);
     const double temperature = 288.16 - 6.5e-3 * h;
     const double vapour = 6.108 * humidity * exp((17.15 * temperature - 4684.0) / (temperature - 38.45));
     const double dry = 0.0022768 * pressure / (1.0 - 0.00266 * cos(2.0 * lat) - 0.00028 * h / 1e3);
     const double wet = 0.002277 * (1255.0 / temperature + 0.05) * vapour;
-    return (dry + wet) / sin(el);
+    return (dry + wet) * world_troposphere_mapping(el);
+}
+
+double world_troposphere_mapping(double el)
+{
+    const double s = sin(fmax(el, 3.0 * WORLD_DEG));
+    return 1.001 / sqrt(0.002001 + s * s);
 }
 
 double world_klobuchar(const double alpha[4], const double beta[4], double tow_s, double lat, double lon, double az,

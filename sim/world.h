@@ -27,8 +27,10 @@ void world_attitude(const double C_b_n[3][3], double out[3]);
 /* Gravity, e axes: point mass, J2 and centrifugal acceleration (Groves 2013, 2.133 with 2.142). */
 void world_gravity(const double r_e[3], double g_e[3]);
 
-/* Saastamoinen delay of a standard atmosphere (sea level 1013.25 hPa, 288.16 K, relative humidity 0..1), slant by 1/sin(el). */
+/* Delay of a standard atmosphere (1013.25 hPa and 288.16 K at sea level, relative humidity 0..1), m: Saastamoinen (1972) at
+ * the zenith, slant by Black and Eisner (1984). */
 double world_troposphere(double lat, double height, double el, double humidity);
+double world_troposphere_mapping(double el);
 
 /* Klobuchar delay on L1 (IS-GPS-200, 20.3.3.5.2.5), m. Angles rad, alpha and beta in GPS units, GPS seconds of week. */
 double world_klobuchar(const double alpha[4], const double beta[4], double tow_s, double lat, double lon, double az,
