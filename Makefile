@@ -1,0 +1,41 @@
+# The front door. `make help` lists the verbs; each is one line into CMake or a script.
+BOARD ?= mps2-an386
+JOBS ?= $(shell nproc)
+CMAKE_HOST = cmake/bootstrap.sh host && cmake --preset host --log-level=WARNING && cmake --build build/host -j $(JOBS)
+PYTHON = PATH="$(CURDIR)/build/bin:$(CURDIR)/build/deps/venv/bin:$$PATH" PYTHONPATH="$(CURDIR)/tools:$(CURDIR)/build/host/lcm/python" build/deps/venv/bin/python
+export PYTHONDONTWRITEBYTECODE = 1
+
+all: ## build the desktop programs into build/bin
+	@$(CMAKE_HOST) --target programs
+
+demo: all ## simulate a survey flight, run the firmware on it, print its error table
+	@PATH="$(CURDIR)/build/bin:$$PATH" bash tools/demo.sh $(ARGS)
+
+test: ## run every test, then the unit tests under sanitizers
+	@JOBS=$(JOBS) bash cmake/test.sh
+
+firmware: ## cross-compile for BOARD (mps2-an386, mps2-an500); print code, RAM, stack
+	@JOBS=$(JOBS) bash cmake/firmware.sh $(BOARD)
+
+check: ## format, warnings with gcc and clang, clang-tidy, cppcheck, headers, symbols
+	@JOBS=$(JOBS) bash cmake/check.sh
+
+bench: all ## instructions per IMU step, row and epoch, beside the budgets
+	@build/bin/pelorus-bench $(ARGS)
+
+replay: all ## replay real recordings, one table
+	@$(PYTHON) tools/replay $(ARGS)
+
+format: ## clang-format every C and C++ file
+	@git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp' | xargs clang-format -i
+
+asan: ## build everything and run the unit tests under address and undefined-behaviour sanitizers
+	@cmake/bootstrap.sh host test && cmake --preset host-asan --log-level=WARNING && cmake --build build/asan -j $(JOBS) && ctest --test-dir build/asan -L unit -j $(JOBS) --output-on-failure
+
+clean: ## remove what was built, keep what was fetched
+	@find build -mindepth 1 -maxdepth 1 ! -name deps -exec rm -rf {} + 2>/dev/null; true
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
+
+.PHONY: all demo test firmware check bench replay format asan clean help
