@@ -51,10 +51,11 @@ typedef struct {
     union {
         int32_t back[PEL_MAX_AMB * PEL_MAX_AMB]; /* N = N0 + sum over p of z_p back[p][.] */
         double scratch[PEL_MAX_AMB * PEL_MAX_AMB / 2];
-    } w;
+    };
     int64_t origin[PEL_MAX_AMB];  /* N0: the integer part removed first */
     double zhat[PEL_MAX_AMB];     /* decorrelated float ambiguities */
     double mean[PEL_MAX_AMB];     /* conditional means down to `level` */
+    double w[PEL_MAX_AMB];        /* mean - z */
     double cost[PEL_MAX_AMB + 1]; /* partial squared norms of the levels before */
     int32_t z[PEL_MAX_AMB], step[PEL_MAX_AMB];
     int32_t best_z[PEL_ILS_BEST][PEL_MAX_AMB];
@@ -66,7 +67,7 @@ _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at 
 /* Take in a problem: integer part removed, Q = L D L' with symmetric pivoting, integer decorrelation with full size
  * reduction of a row at each exchange.
  *
- *  s       out  engine; on failure unchanged
+ *  s       out  engine; on failure empty (s->n = 0)
  *  n       in   ambiguities, 1..PEL_MAX_AMB
  *  a       in   [n] float ambiguities, cycles, |a| <= 1e15
  *  Q       in   [PEL_TRI(n)] covariance, packed lower triangle by rows, cycles^2

@@ -1,0 +1,110 @@
+/* ils.c - life of an integer least-squares problem: taking it in, and what is known of it. */
+#include <string.h>
+
+#include "ils_internal.h"
+#include "pelorus/math.h"
+
+#define FLOAT_MAX_CYC 1e15 /* a double still resolves an eighth of a cycle */
+#define VARIANCE_MAX  1e12
+#define RATIO_MAX     1e9
+
+/* Take the integer part out of every float ambiguity: what is left is small, whatever the receiver counted before. */
+static pel_status_t remove_integers(pel_ils_t *s, int n)
+{
+    for (int i = 0; i < n; i++) {
+        if (!(pel_fabs(s->zhat[i]) <= FLOAT_MAX_CYC)) { return PEL_E_RANGE; }
+        const double whole = pel_round(s->zhat[i]);
+        s->origin[i] = (int64_t)whole;
+        s->zhat[i] -= whole;
+    }
+    return PEL_OK;
+}
+
+static pel_status_t check_variances(const pel_ils_t *s, int n)
+{
+    for (int i = 0; i < n; i++) {
+        const double *row = tri_row_const(s->LD, i);
+        for (int j = 0; j <= i; j++) {
+            if (!(pel_fabs(row[j]) <= VARIANCE_MAX)) { return PEL_E_RANGE; }
+        }
+    }
+    return PEL_OK;
+}
+
+/* Bootstrapped success rate, prod (2 Phi(1 / (2 sigma_p)) - 1), and ADOP = prod sigma_p^(1/n) (Teunissen 1998; 1997). */
+static void measure_strength(pel_ils_t *s)
+{
+    double success = 1.0;
+    double log_sum = 0.0;
+    for (int p = 0; p < s->n; p++) {
+        const double d = tri_row(s->LD, p)[p];
+        success *= 1.0 - 2.0 * pel_normal_cdf(-0.5 / pel_sqrt(d));
+        log_sum += pel_log(d);
+    }
+    s->success = success;
+    s->adop_cyc = pel_exp(0.5 * log_sum / s->n);
+}
+
+pel_status_t ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
+{
+    s->n = 0;
+    s->stage = PEL_ILS_EMPTY;
+    if (n_best < 1 || n_best > PEL_ILS_BEST || budget < 1) { return PEL_E_RANGE; }
+    pel_status_t status = check_variances(s, n);
+    if (status == PEL_OK) { status = remove_integers(s, n); }
+    if (status != PEL_OK) { return status; }
+
+    s->n = (int16_t)n;
+    s->n_best = (int16_t)n_best;
+    s->n_found = 0;
+    s->nodes = 0;
+    s->budget = budget;
+    s->swaps = 0;
+    s->float_sq = 0.0;
+    s->float_dof = 0;
+    memset(s->back, 0, sizeof s->back);
+    for (int p = 0; p < n; p++) { s->back[p * n + p] = 1; }
+
+    status = ils_factor(s);
+    if (status == PEL_OK) { status = ils_decorrelate(s); }
+    if (status == PEL_OK) {
+        measure_strength(s);
+        status = ils_first_node(s);
+    }
+    if (status != PEL_OK) {
+        s->n = 0;
+        s->stage = PEL_ILS_EMPTY;
+    }
+    return status;
+}
+
+pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget)
+{
+    s->n = 0;
+    s->stage = PEL_ILS_EMPTY;
+    if (n < 1 || n > PEL_MAX_AMB) { return PEL_E_RANGE; }
+    memcpy(s->LD, Q, (size_t)PEL_TRI(n) * sizeof Q[0]);
+    memcpy(s->zhat, a, (size_t)n * sizeof a[0]);
+    return ils_start(s, n, n_best, budget);
+}
+
+pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq)
+{
+    if (s->stage == PEL_ILS_EMPTY || k < 0 || k >= s->n_found) { return PEL_E_MISSING; }
+    const int n = s->n;
+    if (N != NULL) {
+        for (int i = 0; i < n; i++) {
+            N[i] = s->origin[i];
+            for (int p = 0; p < n; p++) { N[i] += (int64_t)s->best_z[k][p] * s->back[p * n + i]; }
+        }
+    }
+    if (sq != NULL) { *sq = s->best_sq[k]; }
+    return PEL_OK;
+}
+
+double pel_ils_ratio(const pel_ils_t *s)
+{
+    if (s->stage == PEL_ILS_EMPTY || s->n_found < 2) { return 0.0; }
+    if (s->best_sq[1] >= RATIO_MAX * s->best_sq[0]) { return RATIO_MAX; }
+    return s->best_sq[1] / s->best_sq[0];
+}
