@@ -114,16 +114,13 @@ typedef struct {
     double C_start[3][3]; /* attitude there */
     double dt_s;
     double slow_s; /* since the last decay of Markov states */
-    bool started;
 } pel_propagator_t;
 
 #define PEL_SUBSTEP_S 0.05 /* longest substep of the INS time update */
 #define PEL_SLOW_S    1.0  /* interval of Markov decay */
 
-void pel_propagator_init(pel_propagator_t *p);
-
-/* Before the first step of a substep: remember where the attitude starts. Cheap when already started. */
-void pel_propagator_begin(pel_propagator_t *p, const double C_b_e[3][3]);
+/* C_b_e: attitude now. */
+void pel_propagator_init(pel_propagator_t *p, const double C_b_e[3][3]);
 
 /* After each strapdown step: add its specific-force increment; runs the time update when PEL_SUBSTEP_S is reached.
  *  C_b_e, r_e  in  after the step

@@ -118,6 +118,9 @@ void pel_align_init(pel_align_t *a, const pel_align_config_t *cfg);
  * PEL_W_REJECTED: motion seen, averages restarted. */
 pel_status_t pel_align_push(pel_align_t *a, const pel_imu_t *imu);
 
+/* Means of the static time; PEL_E_MISSING and outputs unchanged if there is none. A coarse gyro's mean is its bias. */
+pel_status_t pel_align_mean(const pel_align_t *a, double f_ib_b[3], double omega_ib_b[3]);
+
 /* Mean rate and specific force of the static time, with gravity and the Earth rate, give attitude (TRIAD) with gravity exact.
  * The IMU must stand still with respect to the Earth; lat not within 1 degree of a pole.
  * PEL_W_REJECTED: heading's sd would exceed sd_heading_max_rad: only roll and pitch are set, sd_heading_rad = PI.

@@ -56,6 +56,17 @@ double pel_round(double x);
 
 bool pel_isfinite(double x);
 
+/* The same for pel_real, in its own arithmetic. */
+#if PEL_REAL_DOUBLE
+#define PEL_REAL_MAX 1.7976931348623157e308
+#else
+#define PEL_REAL_MAX 3.4028234663852886e38f
+#endif
+static inline bool pel_isfiniter(pel_real x)
+{
+    return (x <= PEL_REAL_MAX) && (x >= -PEL_REAL_MAX);
+}
+
 static inline double pel_fabs(double x)
 {
     return (x < 0.0) ? -x : x;
