@@ -1,8 +1,8 @@
 /* observe.h - measurements become rows (innovation, h, variance) for the filter.
  *
  * A row says z = h'x + noise, with z = computed - measured and x the error state (computed - true), so that the filter's x
- * is what the closed loop subtracts. Rows of one group (one system, one carrier) share the noise of their pivot: they pass
- * through a whitener and leave it independent. */
+ * is what the closed loop subtracts. Rows of one group (one system, one carrier) share the noise of their pivot and pass
+ * through pel_whiten_row() of gnss.h before the filter sees them. */
 #ifndef PELORUS_OBSERVE_H
 #define PELORUS_OBSERVE_H
 
@@ -38,7 +38,7 @@ typedef struct {
  *  sat   in   the satellite's single difference (only u_e is read)
  *  pivot in   the group's pivot
  *  dd_m  in   (observed - predicted) of the satellite minus that of the pivot, m; phase: minus lambda N
- *  row   out  z and h; var is left to the whitener
+ *  row   out  z and h; var is left to pel_whiten_row()
  *
  * h = [g x on r | (C l) x g on psi], g = -(u_sat - u_pivot): S5 section 5, H = [G, 0, -G [R l x]]. About 40 flops. */
 void pel_observe_range(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot, double dd_m, pel_row_t *row);
@@ -49,21 +49,6 @@ void pel_observe_range(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_
  * 1 mm/s for 500 deg/h on 3 m... 3 mm/s on a MEMS gyro not yet calibrated, against 30 mm/s noise) are left out on purpose,
  * because they would make every Doppler row dense. */
 void pel_observe_rate(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot, double dd_mps, pel_row_t *row);
-
-/* Whitener of the rows of one group, in closed form: cov = diag(r_j) + r_0 1 1' (S1 section 3). */
-typedef struct {
-    double q;                   /* what is left of the pivot's variance */
-    pel_real z;                 /* running sums of the rows before */
-    pel_real h[PEL_MAX_STATES];
-} pel_whitener_t;
-
-/* Start a group. var_pivot = r_0 > 0. */
-void pel_whitener_init(pel_whitener_t *w, double var_pivot, int n_states);
-
-/* Turn the next correlated row into one independent of all before it.
- *  var_sat in     r_j > 0 of the satellite's own single difference
- *  row     in/out z and h replaced, var set. 2 n flops. */
-void pel_whitener_apply(pel_whitener_t *w, double var_sat, pel_row_t *row);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,187 @@
+/* navigator.h - the one object a product owns: measurements in, solutions out.
+ *
+ * Life: pel_nav_config_default(), overwrite what is known, pel_navigator_init(); then push whatever arrives, in any
+ * order, and after each push take what is ready with pel_navigator_poll(). Everything lives in the caller's
+ * pel_navigator_t; two navigators run side by side. No call blocks; the longest is the push that completes an epoch
+ * (satellites, integers, rows, re-propagation of the IMU ring).
+ *
+ * Measurements arrive late. IMU increments are kept in a ring; the filter stands at the time of the last applied
+ * epoch (the horizon), and the output is the horizon's state carried to now through the ring. */
+#ifndef PELORUS_NAVIGATOR_H
+#define PELORUS_NAVIGATOR_H
+
+#include "pelorus/ambiguity.h"
+#include "pelorus/base.h"
+#include "pelorus/filter.h"
+#include "pelorus/gnss.h"
+#include "pelorus/inertial.h"
+#include "pelorus/model.h"
+#include "pelorus/observe.h"
+#include "pelorus/solution.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* What takes part. AUTO uses everything that the stream offers. */
+typedef enum {
+    PEL_PRESET_AUTO = 0,
+    PEL_PRESET_SINGLE = 1,     /* GNSS alone, one receiver: code and Doppler */
+    PEL_PRESET_RTK = 2,        /* GNSS alone, rover against base: DD code, phase, Doppler */
+    PEL_PRESET_INS_SINGLE = 3, /* 18-state INS with one receiver's code and Doppler */
+    PEL_PRESET_INS_RTK = 4,    /* 18-state INS with DD code, phase, Doppler: S5 */
+    PEL_N_PRESETS = 5
+} pel_preset_t;
+
+typedef struct {
+    pel_preset_t preset;
+    pel_time_t output_period_ns;   /* predicted solutions at whole multiples of this; 0: only at epochs */
+    double mask_rad;               /* elevation mask */
+    double integer_mask_rad;       /* mask for integers to be searched */
+    uint8_t systems;               /* bit 1 << pel_sys_t: allowed */
+    uint8_t carriers;              /* bit 1 << pel_carrier_t: allowed */
+    float coast_after_s;           /* status COAST when the last applied epoch is older */
+
+    pel_imu_model_t imu;
+    double C_s_b[3][3];            /* mounting: sensor axes to body axes */
+    double lever_ba_b[3];          /* IMU to antenna, m: right, forward, up */
+    bool have_attitude;            /* attitude below is valid at the first IMU sample */
+    double roll_rad, pitch_rad, heading_rad;
+    double sd_tilt_rad, sd_heading_rad;
+    double align_speed_mps;        /* above this speed heading may be taken from the velocity's course */
+
+    pel_noise_config_t noise;      /* undifferenced observations; relative positioning */
+    pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
+    float base_max_age_s;
+    float base_wait_s;             /* hold a rover epoch up to this long for its base epoch */
+    float apply_delay_s;           /* hold an epoch this long, so that one that arrives out of order still counts */
+
+    float ratio_min;               /* second best over best */
+    float success_min;             /* bootstrapped success rate of the search problem */
+    int32_t node_budget;           /* search nodes an epoch */
+    bool integers;                 /* resolve integers at all */
+
+    double lever_bc_b[3];          /* IMU to camera, m */
+    double C_c_b[3][3];            /* camera (boresight) axes to body axes */
+} pel_nav_config_t;
+
+/* Sane values for every field: AUTO, 10 Hz, 10 degrees, all systems, MEMS IMU, aligned by itself. */
+void pel_nav_config_default(pel_nav_config_t *cfg);
+
+/* What pel_navigator_poll() hands out; the named member of the navigator is valid until the next call of any push. */
+typedef enum {
+    PEL_NAV_NONE = 0,
+    PEL_NAV_SOLUTION,  /* nav->solution: predicted to now, every output period */
+    PEL_NAV_EPOCH,     /* nav->epoch_solution with PEL_SOL_AT_EPOCH, and nav->sats[0..n_sats-1] */
+    PEL_NAV_USED,      /* nav->used: at the start and when it changes */
+    PEL_NAV_EVENT      /* nav->event */
+} pel_nav_output_t;
+
+/* Poses kept for event marks, at most one each 10 ms: 2.5 s. */
+#ifndef PEL_POSE_RING
+#define PEL_POSE_RING 256
+#endif
+
+typedef struct {
+    pel_time_t t_ns;
+    double r_eb_e[3];
+    double theta_b_e[3];       /* rotation vector of C_b_e */
+    float v_eb_e[3];
+    float omega_ib_b[3];       /* mean over the intervals on both sides */
+} pel_pose_t;
+
+typedef struct {
+    pel_pose_t pose[PEL_POSE_RING];
+    uint16_t head, n;
+    pel_time_t previous_ns;            /* the node before the newest */
+    double alpha_before[3], alpha_after[3]; /* rotation since it, and since the newest, rad */
+} pel_pose_ring_t;
+
+#define PEL_ROVER_QUEUE 3
+#define PEL_BASE_QUEUE 2
+
+/* Sensor errors as the closed loop knows them (measured - true), body axes. */
+typedef struct {
+    double gyro_constant[3], gyro_markov[3], accel_markov[3];
+} pel_sensor_errors_t;
+
+typedef struct pel_navigator_t {
+    pel_nav_config_t cfg;
+    pel_orbits_t orbits;
+    bool have_station;
+    pel_station_t station;
+
+    pel_epoch_t rover[PEL_ROVER_QUEUE];     /* waiting, oldest first */
+    int n_rover;
+    pel_epoch_t base[PEL_BASE_QUEUE];       /* newest last */
+    int n_base;
+    pel_slip_t slip_rover, slip_base;
+
+    pel_imu_ring_t ring;
+    bool ins;                               /* the 18-state filter runs; else GNSS alone */
+    bool have_state;                        /* position and velocity are known */
+    pel_strapdown_t at_horizon;             /* r_eb_e is the antenna's without INS */
+    pel_strapdown_t now;
+    pel_coning_t coning_horizon, coning_now;
+    pel_sensor_errors_t errors;
+    pel_model_t model;
+    pel_ud_t ud;
+    pel_propagator_t propagator;
+    double omega_ib_b[3];                   /* at the horizon, smoothed over 20 ms, for lever-arm rates */
+    pel_align_t align;
+    double C_rel[3][3];                     /* body at the newest increment to body at the first, before the INS runs */
+    pel_time_t first_imu_ns;
+    bool have_spp;
+    pel_spp_t spp;                          /* last single-point solution: receiver clock, start values */
+    double v_before_e[3];                   /* velocity of the epoch before, for the acceleration while levelling */
+    double corrected_e[3];                  /* position corrections since the last slip check, m */
+    pel_time_t last_tag_ns, last_epoch_ns, epoch_before_ns, last_imu_ns;
+    pel_fix_t last_fix;
+    bool relative;                          /* rows are differenced against the base */
+    uint8_t doubts;                         /* epochs in a row that refused most of their code */
+
+    pel_view_t view_rover, view_base;
+    pel_sd_set_t sd;
+    pel_ils_t ils;
+
+    pel_pose_ring_t poses;
+    pel_time_t event_t_ns;
+    uint32_t event_id;
+    bool event_waiting;
+
+    pel_nav_counters_t counters;
+    pel_solution_t solution, epoch_solution;
+    pel_used_t used;
+    pel_event_t event;
+    pel_sat_report_t sats[PEL_MAX_OBS];
+    int n_sats;
+    uint32_t ready;                         /* bit 1 << pel_nav_output_t */
+} pel_navigator_t;
+
+/* Start afresh; copies the configuration. */
+void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg);
+
+/* One IMU interval, sensor axes. Advances the output; may apply epochs that were waiting for it. */
+void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu);
+
+/* One epoch of the rover or base receiver. Bad or stale ones are counted and change nothing. */
+void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch);
+void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch);
+
+void pel_navigator_push_ephemeris(pel_navigator_t *nav, const pel_ephemeris_t *eph);
+void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k);
+void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s);
+
+/* An event mark at GPS time t; its exterior orientation comes out when the trajectory has passed it. */
+void pel_navigator_push_event(pel_navigator_t *nav, pel_time_t t_ns, uint32_t id);
+
+/* The input has ended: apply one epoch of those still waiting. False when there is none left. */
+bool pel_navigator_flush(pel_navigator_t *nav);
+
+/* What is ready, one a call, in order of time; PEL_NAV_NONE when there is no more. */
+pel_nav_output_t pel_navigator_poll(pel_navigator_t *nav);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,50 @@
+/* config.c - sane values for every setting. */
+#include <string.h>
+
+#include "internal.h"
+
+#include "pelorus/math.h"
+
+static void identity(double C[3][3])
+{
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) { C[i][j] = (i == j) ? 1.0 : 0.0; }
+    }
+}
+
+void pel_nav_config_default(pel_nav_config_t *cfg)
+{
+    memset(cfg, 0, sizeof *cfg);
+    cfg->preset = PEL_PRESET_AUTO;
+    cfg->output_period_ns = 100 * PEL_NS_PER_MS;
+    cfg->mask_rad = 10.0 * PEL_DEG;
+    cfg->integer_mask_rad = 15.0 * PEL_DEG;
+    cfg->systems = (1u << PEL_SYS_GPS) | (1u << PEL_SYS_GAL) | (1u << PEL_SYS_BDS) | (1u << PEL_SYS_QZS);
+    cfg->carriers = (1u << PEL_N_CARRIER) - 1u;
+    cfg->coast_after_s = 1.5f;
+
+    pel_imu_model_preset(PEL_IMU_GRADE_MEMS, &cfg->imu);
+    cfg->imu.accel_psd_rts = 2.0;
+    identity(cfg->C_s_b);
+    identity(cfg->C_c_b);
+    cfg->align_speed_mps = 1.0;
+    cfg->sd_tilt_rad = 1.0 * PEL_DEG;
+    cfg->sd_heading_rad = 5.0 * PEL_DEG;
+
+    pel_noise_default(&cfg->noise);
+    cfg->noise.iono_mm_per_km = 1.0;
+    /* A receiver alone carries orbit, clock and atmosphere errors of metres, mostly slow. */
+    cfg->noise_single = cfg->noise;
+    cfg->noise_single.code_a_m = 1.0;
+    cfg->noise_single.code_b_m = 1.0;
+    cfg->noise_single.doppler_a_mps = 0.05;
+    cfg->noise_single.doppler_b_mps = 0.05;
+    cfg->base_max_age_s = 10.0f;
+    cfg->base_wait_s = 0.3f;
+    cfg->apply_delay_s = 0.1f;
+
+    cfg->ratio_min = 2.0f;
+    cfg->success_min = 0.99f;
+    cfg->node_budget = 10000;
+    cfg->integers = true;
+}

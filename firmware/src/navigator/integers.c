@@ -1,0 +1,139 @@
+/* integers.c - the integers of one epoch: problem from the single differences, engine, verdict. */
+#include <string.h>
+
+#include "internal.h"
+
+#include "pelorus/math.h"
+
+#define MASK_STEP_RAD (5.0 * PEL_DEG)
+#define MAX_TRIES 4
+#define PRIOR_SIGMAS 5.0
+
+static double baseline_km(const pel_navigator_t *nav)
+{
+    const double d[3] = {nav->at_horizon.r_eb_e[0] - nav->station.r_ea_e[0],
+                         nav->at_horizon.r_eb_e[1] - nav->station.r_ea_e[1],
+                         nav->at_horizon.r_eb_e[2] - nav->station.r_ea_e[2]};
+    return pel_norm3(d) * 1e-3;
+}
+
+static int satellite_index(const pel_navigator_t *nav, const pel_sd_t *sd)
+{
+    const pel_sight_t *s = pel_view_find(&nav->view_rover, sd->sys, sd->prn);
+    return (s == NULL) ? -1 : (int)(s - nav->view_rover.sight);
+}
+
+static bool can_fix(const pel_sd_t *sd, double mask_rad)
+{
+    /* A GLONASS carrier has its own wavelength a satellite: its double differences are not integers of one wavelength. */
+    return sd->has_phase && !sd->half && (double)sd->el_rad >= mask_rad && sd->sys != PEL_SYS_GLO;
+}
+
+static void add_group(const pel_navigator_t *nav, const pel_sd_t *pivot, pel_amb_problem_t *p)
+{
+    pel_amb_group_t *g = &p->group[p->n_groups++];
+    const double k = pivot->lambda_m / (PEL_SPEED_OF_LIGHT / 1575.42e6);
+    g->sat = (uint8_t)satellite_index(nav, pivot);
+    g->mu = k * k;
+    g->var_phase = pivot->var_phase;
+    g->var_code = pivot->var_code;
+}
+
+static void add_row(const pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *pivot, pel_amb_problem_t *p)
+{
+    pel_amb_row_t *r = &p->row[p->n_rows++];
+    r->group = (uint8_t)(p->n_groups - 1);
+    r->sat = (uint8_t)satellite_index(nav, sd);
+    r->integer = true;
+    r->code = sd->has_code && pivot->has_code;
+    for (int k = 0; k < 3; k++) { r->g[k] = pivot->u_e[k] - sd->u_e[k]; }
+    r->lambda_m = sd->lambda_m;
+    r->phase_m = sd->phase_m - pivot->phase_m;
+    r->code_m = sd->code_m - pivot->code_m;
+    r->var_phase = sd->var_phase;
+    r->var_code = sd->var_code;
+}
+
+/* All double differences above a mask; index[] tells which single difference each row is. False: they do not fit. */
+static bool fill_problem(const pel_navigator_t *nav, double mask_rad, pel_amb_problem_t *p, int index[PEL_MAX_AMB])
+{
+    const pel_sd_set_t *set = &nav->sd;
+    p->n_rows = 0;
+    p->n_groups = 0;
+    const pel_sd_t *pivot = NULL;
+    bool open = false;
+    for (int i = 0; i < set->n; i++) {
+        const pel_sd_t *sd = &set->sd[i];
+        if (sd->pivot) {
+            pivot = can_fix(sd, 0.0) ? sd : NULL;
+            open = false;
+            continue;
+        }
+        if (pivot == NULL || pivot->group != sd->group || !can_fix(sd, mask_rad)) { continue; }
+        if (p->n_rows == PEL_MAX_AMB || (!open && p->n_groups == PEL_AMB_GROUPS)) { return false; }
+        if (!open) { add_group(nav, pivot, p); }
+        open = true;
+        index[p->n_rows] = i;
+        add_row(nav, sd, pivot, p);
+    }
+    return true;
+}
+
+static void count_verdict(pel_nav_counters_t *c, pel_int_reason_t reason)
+{
+    c->fix_tried++;
+    switch (reason) {
+    case PEL_INT_OK: c->fix_ok++; break;
+    case PEL_INT_RATIO: c->fix_ratio++; break;
+    case PEL_INT_CHI2: c->fix_chi2++; break;
+    case PEL_INT_BAND: c->fix_band++; break;
+    case PEL_INT_PRIOR: c->fix_prior++; break;
+    case PEL_INT_SUCCESS: c->fix_success++; break;
+    case PEL_INT_BUDGET: c->fix_budget++; break;
+    case PEL_INT_NOT_TRIED:
+    case PEL_INT_FEW:
+    case PEL_INT_BASE_AGE: break;
+    }
+}
+
+void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out)
+{
+    pel_amb_problem_t p;
+    int index[PEL_MAX_AMB];
+    int64_t N[PEL_MAX_AMB];
+    memset(&p, 0, sizeof p);
+    double mask_rad = nav->cfg.integer_mask_rad;
+    while (!fill_problem(nav, mask_rad, &p, index) && mask_rad < PEL_PI / 2.0) { mask_rad += MASK_STEP_RAD; }
+    out->n = p.n_rows;
+    if (p.n_rows < 4) {
+        out->reason = PEL_INT_FEW;
+        return;
+    }
+    const double sd_iono_m = nav->cfg.noise.iono_mm_per_km * 1e-3 * baseline_km(nav);
+    p.var_iono = sd_iono_m * sd_iono_m;
+    p.have_prior = true;
+    memcpy(p.P_r, P_a, sizeof p.P_r);
+
+    pel_int_limits_t limits;
+    pel_int_limits_default(&limits);
+    limits.ratio_min = (double)nav->cfg.ratio_min;
+    limits.success_min = (double)nav->cfg.success_min;
+    limits.prior_sigma = PRIOR_SIGMAS;
+    pel_int_verdict_t verdict;
+    memset(&verdict, 0, sizeof verdict);
+    const pel_status_t status = pel_amb_resolve(&p, &nav->ils, &limits, nav->cfg.node_budget, MAX_TRIES, N, &verdict);
+    out->ratio = verdict.ratio;
+    out->success = verdict.success;
+    out->nodes = nav->ils.nodes;
+    out->reason = (status < 0) ? PEL_INT_FEW : verdict.reason;
+    if (status == PEL_OK) {
+        out->reason = PEL_INT_OK;
+        for (int r = 0; r < p.n_rows; r++) {
+            if (!p.row[r].integer || N[r] > INT32_MAX || N[r] < INT32_MIN) { continue; }
+            out->fixed[index[r]] = true;
+            out->N[index[r]] = (int32_t)N[r];
+            out->n_fixed++;
+        }
+    }
+    count_verdict(&nav->counters, out->reason);
+}

@@ -1,0 +1,76 @@
+/* internal.h - what the files of navigator/ share. Not public. */
+#ifndef PELORUS_NAVIGATOR_INTERNAL_H
+#define PELORUS_NAVIGATOR_INTERNAL_H
+
+#include "pelorus/navigator.h"
+
+#define PEL_NAV_BIT(output) (UINT32_C(1) << (unsigned)(output))
+
+/* Longest stretch without IMU that the INS survives, s. */
+#define PEL_NAV_LONGEST_GAP_S 0.3
+
+/* ---- horizon.c: the filter's nominal state through time ---- */
+
+/* Carry state and covariance to t. With INS the ring must reach t (else PEL_E_MISSING, nothing changed). */
+pel_status_t pel_nav_advance(pel_navigator_t *nav, pel_time_t t_ns);
+
+/* Subtract the filter's x from the nominal state and clear it. */
+void pel_nav_close_loop(pel_navigator_t *nav);
+
+/* One increment in body axes: into the ring, the alignment, the output. */
+void pel_nav_take_increment(pel_navigator_t *nav, const pel_imu_t *body);
+
+/* now = the horizon's state carried through the ring to its newest increment. */
+void pel_nav_predict_now(pel_navigator_t *nav);
+
+/* Antenna position and velocity at the horizon, and what rows need to know of it. */
+void pel_nav_antenna(const pel_navigator_t *nav, pel_antenna_t *ant, double r_ea_e[3], double v_ea_e[3]);
+
+/* Covariance of antenna position (rate = false) or velocity (true): A P A'. */
+void pel_nav_antenna_cov(const pel_navigator_t *nav, const pel_antenna_t *ant, bool rate, double P[3][3]);
+
+/* ---- start.c: from nothing to a state ---- */
+
+/* Begin (again) with GNSS alone from a single-point solution. */
+void pel_nav_start_gnss(pel_navigator_t *nav, const pel_spp_t *spp);
+
+void pel_nav_reset_alignment(pel_navigator_t *nav);
+
+/* One increment while the INS does not run. */
+void pel_nav_align_increment(pel_navigator_t *nav, const pel_imu_t *body);
+
+/* Begin the INS at the horizon if an IMU is there and an attitude can be had. */
+void pel_nav_try_start_ins(pel_navigator_t *nav);
+
+/* Fall back to GNSS alone, keeping position and velocity. */
+void pel_nav_drop_ins(pel_navigator_t *nav);
+
+/* ---- epoch.c, integers.c ---- */
+
+/* Use one rover epoch with its base epoch (or NULL). */
+void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_t *base);
+
+/* Outcome of the integers of one epoch. */
+typedef struct {
+    pel_int_reason_t reason;
+    double ratio, success;
+    int n, n_fixed, nodes;
+    bool fixed[PEL_MAX_OBS];   /* by index into nav->sd.sd[] */
+    int32_t N[PEL_MAX_OBS];    /* DD integer against the group's pivot */
+} pel_nav_integers_t;
+
+/* Resolve the integers of nav->sd with the horizon's position as prior. P_a: covariance of the antenna position, m^2. */
+void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
+
+/* ---- output.c ---- */
+
+void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_solution_t *out);
+void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base);
+
+/* ---- event.c ---- */
+
+/* Remember nav->now, reached by a turn of alpha since the last call. */
+void pel_nav_keep_pose(pel_navigator_t *nav, const double alpha[3]);
+void pel_nav_serve_event(pel_navigator_t *nav);
+
+#endif

@@ -1,0 +1,235 @@
+/* navigator.c - what arrives, in which order it is used, and what is ready. */
+#include "internal.h"
+
+#include <string.h>
+
+#include "pelorus/math.h"
+
+#define IMU_ALIVE_NS (1 * PEL_NS_PER_S)     /* an IMU silent for longer does not take part */
+#define BASE_ALIVE_NS (30 * PEL_NS_PER_S)   /* a base silent for longer is not waited for */
+#define BASE_MATCH_NS (50 * PEL_NS_PER_MS)  /* base and rover epochs this near belong together */
+#define IMU_SETTLE_NS (20 * PEL_NS_PER_MS)  /* receiver clocks may be off by this: the true instant must be in the ring */
+
+void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
+{
+    memset(nav, 0, sizeof *nav);
+    nav->cfg = *cfg;
+    pel_orbits_init(&nav->orbits);
+    pel_slip_init(&nav->slip_rover);
+    pel_slip_init(&nav->slip_base);
+    pel_imu_ring_init(&nav->ring);
+    pel_nav_reset_alignment(nav);
+}
+
+static bool preset_uses_base(pel_preset_t p)
+{
+    return p == PEL_PRESET_AUTO || p == PEL_PRESET_RTK || p == PEL_PRESET_INS_RTK;
+}
+
+static pel_time_t stream_now(const pel_navigator_t *nav)
+{
+    pel_time_t now = nav->last_imu_ns;
+    if (nav->n_rover > 0 && nav->rover[nav->n_rover - 1].t_ns > now) { now = nav->rover[nav->n_rover - 1].t_ns; }
+    if (nav->n_base > 0 && nav->base[nav->n_base - 1].t_ns > now) { now = nav->base[nav->n_base - 1].t_ns; }
+    return now;
+}
+
+/* ---- when is a rover epoch due ------------------------------------------------------------------------------------ */
+
+static bool imu_has_passed(const pel_navigator_t *nav, pel_time_t t_ns)
+{
+    const bool alive = nav->last_imu_ns != 0 && nav->last_imu_ns > t_ns - IMU_ALIVE_NS;
+    if (!alive) { return true; }
+    const int64_t delay_ns = (int64_t)((double)nav->cfg.apply_delay_s * 1e9);
+    return nav->last_imu_ns >= t_ns + ((delay_ns > IMU_SETTLE_NS) ? delay_ns : IMU_SETTLE_NS);
+}
+
+/* Is a base epoch for this time here, or no longer worth waiting for? */
+static bool base_is_settled(const pel_navigator_t *nav, pel_time_t t_ns)
+{
+    if (!preset_uses_base(nav->cfg.preset) || nav->n_base == 0 || !nav->have_station) { return true; }
+    const pel_time_t newest = nav->base[nav->n_base - 1].t_ns;
+    if (newest >= t_ns - BASE_MATCH_NS || newest < t_ns - BASE_ALIVE_NS) { return true; }
+    if (nav->n_base == PEL_BASE_QUEUE) {
+        /* A slower base has nothing for this epoch: its next one comes later. */
+        const pel_time_t next = newest + (newest - nav->base[nav->n_base - 2].t_ns);
+        if (next > t_ns + BASE_MATCH_NS) { return true; }
+    }
+    return stream_now(nav) >= t_ns + (int64_t)((double)nav->cfg.base_wait_s * 1e9);
+}
+
+static const pel_epoch_t *choose_base(const pel_navigator_t *nav, pel_time_t t_ns)
+{
+    int index = 0;
+    double age_s = 0.0;
+    if (!preset_uses_base(nav->cfg.preset) || nav->n_base == 0) { return NULL; }
+    if (pel_pair_epochs(nav->base, nav->n_base, t_ns, (double)nav->cfg.base_max_age_s, &index, &age_s) != PEL_OK) {
+        return NULL;
+    }
+    return &nav->base[index];
+}
+
+static void apply_oldest(pel_navigator_t *nav)
+{
+    const pel_epoch_t *base = choose_base(nav, nav->rover[0].t_ns);
+    if (base == NULL && nav->n_base > 0) { nav->counters.epochs_unpaired++; }
+    pel_nav_apply_epoch(nav, &nav->rover[0], base);
+    nav->n_rover--;
+    memmove(&nav->rover[0], &nav->rover[1], (size_t)nav->n_rover * sizeof nav->rover[0]);
+}
+
+/* At most one epoch a push, so that the longest push is one epoch's work. */
+static void apply_if_due(pel_navigator_t *nav)
+{
+    if (nav->n_rover == 0) { return; }
+    const pel_time_t t_ns = nav->rover[0].t_ns;
+    if (imu_has_passed(nav, t_ns) && base_is_settled(nav, t_ns)) { apply_oldest(nav); }
+}
+
+/* ---- receivers ---------------------------------------------------------------------------------------------------- */
+
+/* Keep what the configuration allows. */
+static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_epoch_t *out)
+{
+    out->t_ns = in->t_ns;
+    out->dropped = in->dropped;
+    out->clock_reset = in->clock_reset;
+    out->n = 0;
+    for (int i = 0; i < in->n && i < PEL_MAX_OBS; i++) {
+        const pel_obs_t *obs = &in->obs[i];
+        const bool system = obs->sys < PEL_N_SYS && (nav->cfg.systems & (1u << obs->sys)) != 0;
+        const bool carrier = obs->carrier < PEL_N_CARRIER && (nav->cfg.carriers & (1u << obs->carrier)) != 0;
+        if (system && carrier) { out->obs[out->n++] = *obs; }
+    }
+}
+
+void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
+{
+    if (epoch->t_ns <= nav->last_tag_ns) {
+        nav->counters.epochs_late++;
+        return;
+    }
+    if (nav->n_rover == PEL_ROVER_QUEUE) { apply_oldest(nav); }
+    int place = nav->n_rover;
+    while (place > 0 && nav->rover[place - 1].t_ns > epoch->t_ns) { place--; }
+    if (place > 0 && nav->rover[place - 1].t_ns == epoch->t_ns) { return; }
+    memmove(&nav->rover[place + 1], &nav->rover[place], (size_t)(nav->n_rover - place) * sizeof nav->rover[0]);
+    copy_allowed(nav, epoch, &nav->rover[place]);
+    nav->n_rover++;
+    apply_if_due(nav);
+}
+
+void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
+{
+    if (nav->n_base > 0 && epoch->t_ns <= nav->base[nav->n_base - 1].t_ns) {
+        nav->counters.epochs_late++;
+        return;
+    }
+    if (nav->n_base == PEL_BASE_QUEUE) {
+        nav->n_base--;
+        memmove(&nav->base[0], &nav->base[1], (size_t)nav->n_base * sizeof nav->base[0]);
+    }
+    pel_epoch_t *kept = &nav->base[nav->n_base++];
+    copy_allowed(nav, epoch, kept);
+    pel_slip_check(&nav->slip_base, kept, NULL, NULL, &nav->counters);
+    apply_if_due(nav);
+}
+
+void pel_navigator_push_ephemeris(pel_navigator_t *nav, const pel_ephemeris_t *eph)
+{
+    (void)pel_orbits_add(&nav->orbits, eph);
+}
+
+void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k) { nav->orbits.klobuchar = *k; }
+
+void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
+{
+    const double r = pel_norm3(s->r_ea_e);
+    if (!(r > 6.3e6 && r < 7.4e6)) { return; } /* a base that does not know its place sends zeros */
+    nav->station = *s;
+    nav->have_station = true;
+}
+
+/* ---- the IMU -------------------------------------------------------------------------------------------------------- */
+
+static bool imu_is_sane(const pel_imu_t *imu)
+{
+    if (!(imu->dt_s > 0.0 && imu->dt_s <= 1.0)) { return false; }
+    double turn = 0.0, push = 0.0;
+    for (int k = 0; k < 3; k++) {
+        turn += imu->alpha_ib_b[k] * imu->alpha_ib_b[k];
+        push += imu->upsilon_ib_b[k] * imu->upsilon_ib_b[k];
+    }
+    /* 100 rad/s and 2000 m/s^2 are beyond what any product of this kind measures; also false for NaN. */
+    return turn <= 1e4 * imu->dt_s * imu->dt_s && push <= 4e6 * imu->dt_s * imu->dt_s;
+}
+
+static void turn_to_body(const pel_navigator_t *nav, const pel_imu_t *imu, pel_imu_t *body)
+{
+    *body = *imu;
+    pel_mat3_vec(nav->cfg.C_s_b, imu->alpha_ib_b, body->alpha_ib_b);
+    pel_mat3_vec(nav->cfg.C_s_b, imu->upsilon_ib_b, body->upsilon_ib_b);
+}
+
+/* A missing stretch is bridged by one increment at the new sample's rates: the motion between is unknown, and for the few
+ * samples a serial line loses this is the best guess. Longer gaps end the INS. */
+static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
+{
+    const double gap_s = pel_time_diff_s(body->t_ns, nav->last_imu_ns) - body->dt_s;
+    if (nav->last_imu_ns == 0 || pel_fabs(gap_s) <= 0.5 * body->dt_s) { return; }
+    nav->counters.imu_gap++;
+    if (gap_s > PEL_NAV_LONGEST_GAP_S) {
+        pel_imu_ring_init(&nav->ring);
+        pel_nav_drop_ins(nav);
+        pel_nav_reset_alignment(nav);
+        return;
+    }
+    const double scale = (gap_s + body->dt_s) / body->dt_s;
+    for (int k = 0; k < 3; k++) {
+        body->alpha_ib_b[k] *= scale;
+        body->upsilon_ib_b[k] *= scale;
+    }
+    body->dt_s *= scale;
+}
+
+void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
+{
+    if (!imu_is_sane(imu)) {
+        nav->counters.imu_bad_value++;
+        return;
+    }
+    if (imu->t_ns <= nav->last_imu_ns) {
+        nav->counters.imu_out_of_order++;
+        return;
+    }
+    pel_imu_t body;
+    turn_to_body(nav, imu, &body);
+    bridge_gap(nav, &body);
+    nav->last_imu_ns = body.t_ns;
+    nav->counters.imu_used++;
+    pel_nav_take_increment(nav, &body);
+    pel_nav_serve_event(nav);
+    apply_if_due(nav);
+}
+
+/* ---- outputs -------------------------------------------------------------------------------------------------------- */
+
+bool pel_navigator_flush(pel_navigator_t *nav)
+{
+    if (nav->n_rover == 0) { return false; }
+    apply_oldest(nav);
+    return true;
+}
+
+pel_nav_output_t pel_navigator_poll(pel_navigator_t *nav)
+{
+    static const pel_nav_output_t ORDER[] = {PEL_NAV_USED, PEL_NAV_EPOCH, PEL_NAV_SOLUTION, PEL_NAV_EVENT};
+    for (size_t i = 0; i < sizeof ORDER / sizeof ORDER[0]; i++) {
+        const uint32_t bit = PEL_NAV_BIT(ORDER[i]);
+        if ((nav->ready & bit) != 0) {
+            nav->ready &= ~bit;
+            return ORDER[i];
+        }
+    }
+    return PEL_NAV_NONE;
+}

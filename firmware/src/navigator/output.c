@@ -1,0 +1,182 @@
+/* output.c - the solution as told to the outside, and what was really used. */
+#include <string.h>
+
+#include "internal.h"
+
+#include "pelorus/earth.h"
+#include "pelorus/math.h"
+
+/* Errors beyond the protection level once in 10^7, if the filter's model holds (two-sided normal). */
+#define PROTECTION_SIGMAS 5.33
+
+static void pack_symmetric(const double P[3][3], float out[6])
+{
+    int n = 0;
+    for (int i = 0; i < 3; i++) {
+        for (int j = i; j < 3; j++) { out[n++] = (float)P[i][j]; }
+    }
+}
+
+static void cov_ned(const pel_navigator_t *nav, const double C_e_n[3][3], int index, double P_n[3][3])
+{
+    double P_e[3][3];
+    pel_ud_block3(&nav->ud, index, index, P_e);
+    pel_mat3_congruence(C_e_n, P_e, P_n);
+}
+
+static void fill_protection(const double P_n[3][3], pel_solution_t *out)
+{
+    const double mean = 0.5 * (P_n[0][0] + P_n[1][1]);
+    const double half = 0.5 * (P_n[0][0] - P_n[1][1]);
+    const double largest = mean + pel_sqrt(half * half + P_n[0][1] * P_n[0][1]);
+    out->hpl_m = (float)(PROTECTION_SIGMAS * pel_sqrt(largest));
+    out->vpl_m = (float)(PROTECTION_SIGMAS * pel_sqrt(P_n[2][2]));
+}
+
+static void fill_attitude(const pel_navigator_t *nav, const pel_strapdown_t *at, const double C_e_n[3][3],
+                          pel_solution_t *out)
+{
+    double roll, pitch, heading, P_n[3][3];
+    pel_attitude_from_C_b_e(at->C_b_e, out->lat_rad, out->lon_rad, &roll, &pitch, &heading);
+    cov_ned(nav, C_e_n, pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE), P_n);
+    pack_symmetric(P_n, out->cov_att);
+    out->roll_rad = (float)roll;
+    out->pitch_rad = (float)pitch;
+    out->heading_rad = (float)((heading < 0.0) ? heading + 2.0 * PEL_PI : heading);
+    /* Pitch turns about the body's horizontal right axis, roll about forward: the tilt covariance turned by heading. */
+    double s, c;
+    pel_sincos(heading, &s, &c);
+    const double var_pitch = s * s * P_n[0][0] - 2.0 * s * c * P_n[0][1] + c * c * P_n[1][1];
+    const double var_roll = c * c * P_n[0][0] + 2.0 * s * c * P_n[0][1] + s * s * P_n[1][1];
+    out->sd_pitch_rad = (float)pel_sqrt(var_pitch);
+    out->sd_roll_rad = (float)pel_sqrt(var_roll);
+    out->sd_heading_rad = (float)pel_sqrt(P_n[2][2]);
+    out->flags |= PEL_SOL_INS | PEL_SOL_ATTITUDE;
+    if (out->sd_heading_rad < (float)(20.0 * PEL_DEG)) { out->flags |= PEL_SOL_HEADING; }
+}
+
+static void fill_biases(const pel_navigator_t *nav, pel_solution_t *out)
+{
+    const int i_c = pel_model_index(&nav->model, PEL_BLOCK_GYRO_CONSTANT);
+    const int i_m = pel_model_index(&nav->model, PEL_BLOCK_GYRO_MARKOV);
+    const int i_a = pel_model_index(&nav->model, PEL_BLOCK_ACCEL_MARKOV);
+    for (int k = 0; k < 3; k++) {
+        out->b_g[k] = (float)(nav->errors.gyro_constant[k] + nav->errors.gyro_markov[k]);
+        out->b_a[k] = (float)nav->errors.accel_markov[k];
+        const double var_g = (double)pel_ud_cov(&nav->ud, i_c + k, i_c + k) + (double)pel_ud_cov(&nav->ud, i_m + k, i_m + k) +
+                             2.0 * (double)pel_ud_cov(&nav->ud, i_c + k, i_m + k);
+        out->sd_b_g[k] = (float)pel_sqrt(pel_max(var_g, 0.0));
+        out->sd_b_a[k] = (float)pel_sqrt((double)pel_ud_cov(&nav->ud, i_a + k, i_a + k));
+    }
+}
+
+static uint32_t hash_state(const pel_navigator_t *nav)
+{
+    const pel_strapdown_t *s = &nav->at_horizon;
+    uint32_t h = pel_ud_hash(&nav->ud, PEL_FNV_START);
+    h = pel_fnv1a(s->r_eb_e, sizeof s->r_eb_e, h);
+    h = pel_fnv1a(s->v_eb_e, sizeof s->v_eb_e, h);
+    return pel_fnv1a(s->C_b_e, sizeof s->C_b_e, h);
+}
+
+void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_solution_t *out)
+{
+    double C_e_n[3][3], v_n[3], P_n[3][3];
+    if (out != &nav->epoch_solution) { *out = nav->epoch_solution; }
+    out->t_ns = at->t_ns;
+    out->flags = (uint16_t)(out->flags & PEL_SOL_RESTARTED);
+    const bool coasting = pel_time_diff_s(at->t_ns, nav->last_epoch_ns) > (double)nav->cfg.coast_after_s;
+    out->fix = (uint8_t)(coasting ? PEL_FIX_COAST : nav->last_fix);
+    memcpy(out->r_eb_e, at->r_eb_e, sizeof out->r_eb_e);
+    pel_earth_ecef_to_llh(at->r_eb_e, &out->lat_rad, &out->lon_rad, &out->height_m);
+    pel_earth_C_e_n(out->lat_rad, out->lon_rad, C_e_n);
+    pel_mat3_vec(C_e_n, at->v_eb_e, v_n);
+    for (int k = 0; k < 3; k++) { out->v_ned[k] = (float)v_n[k]; }
+    cov_ned(nav, C_e_n, pel_model_index(&nav->model, PEL_BLOCK_VELOCITY), P_n);
+    pack_symmetric(P_n, out->cov_v_ned);
+    cov_ned(nav, C_e_n, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_n);
+    pack_symmetric(P_n, out->cov_r_ned);
+    fill_protection(P_n, out);
+    if (nav->ins) {
+        fill_attitude(nav, at, C_e_n, out);
+        fill_biases(nav, out);
+    }
+    out->state_hash = hash_state(nav);
+}
+
+/* ---- asked and used -------------------------------------------------------------------------------------------------- */
+
+static pel_preset_t preset_in_use(const pel_navigator_t *nav)
+{
+    if (nav->ins) { return nav->relative ? PEL_PRESET_INS_RTK : PEL_PRESET_INS_SINGLE; }
+    return nav->relative ? PEL_PRESET_RTK : PEL_PRESET_SINGLE;
+}
+
+static void note_carriers(const pel_epoch_t *e, uint8_t seen[PEL_N_SYS])
+{
+    for (int i = 0; i < e->n; i++) {
+        if (e->obs[i].sys < PEL_N_SYS) { seen[e->obs[i].sys] |= (uint8_t)(1u << e->obs[i].carrier); }
+    }
+}
+
+static pel_why_t system_why(const pel_navigator_t *nav, const pel_used_t *u, int sys)
+{
+    if ((nav->cfg.systems & (1u << sys)) == 0) { return PEL_WHY_CONFIG; }
+    if (u->rover_seen[sys] == 0) { return PEL_WHY_NO_DATA; }
+    if (u->carriers_used[sys] != 0) { return PEL_WHY_NONE; }
+    if (sys == PEL_SYS_GLO || sys == PEL_SYS_SBS) { return PEL_WHY_UNSUPPORTED; }
+    if (nav->relative && u->base_carriers[sys] == 0) { return PEL_WHY_NO_DATA; }
+    return PEL_WHY_NO_ORBIT;
+}
+
+static pel_why_t imu_why(const pel_navigator_t *nav)
+{
+    if (nav->ins) { return PEL_WHY_NONE; }
+    if (nav->last_imu_ns == 0) { return PEL_WHY_NO_DATA; }
+    const bool wanted = nav->cfg.preset != PEL_PRESET_SINGLE && nav->cfg.preset != PEL_PRESET_RTK;
+    return wanted ? PEL_WHY_NOT_ALIGNED : PEL_WHY_CONFIG;
+}
+
+static pel_why_t base_why(const pel_navigator_t *nav)
+{
+    if (nav->relative) { return PEL_WHY_NONE; }
+    const bool wanted = nav->cfg.preset != PEL_PRESET_SINGLE && nav->cfg.preset != PEL_PRESET_INS_SINGLE;
+    if (!wanted) { return PEL_WHY_CONFIG; }
+    if (nav->n_base == 0) { return PEL_WHY_NO_DATA; }
+    return nav->have_station ? PEL_WHY_NO_ORBIT : PEL_WHY_NO_STATION;
+}
+
+void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base)
+{
+    pel_used_t u = nav->used;
+    note_carriers(rover, u.rover_seen);
+    if (base != NULL) { note_carriers(base, u.base_carriers); }
+    for (int i = 0; i < nav->n_sats; i++) {
+        const pel_sat_report_t *r = &nav->sats[i];
+        const unsigned any = PEL_SAT_CODE_USED | PEL_SAT_PHASE_USED | PEL_SAT_DOPPLER_USED;
+        if ((r->flags & any) != 0) { u.carriers_used[r->sys] |= (uint8_t)(1u << r->carrier); }
+    }
+    u.preset_asked = (uint8_t)nav->cfg.preset;
+    u.preset_used = (uint8_t)preset_in_use(nav);
+    u.imu_seen = nav->last_imu_ns != 0;
+    u.imu_used = nav->ins;
+    u.imu_why = (uint8_t)imu_why(nav);
+    u.base_seen = nav->n_base > 0;
+    u.base_used = nav->relative;
+    u.base_why = (uint8_t)base_why(nav);
+    u.preset_why = u.imu_used ? u.base_why : u.imu_why;
+    for (int sys = 0; sys < PEL_N_SYS; sys++) { u.sys_why[sys] = (uint8_t)system_why(nav, &u, sys); }
+    u.arw_rad_rts = (float)nav->cfg.imu.arw_rad_rts;
+    u.vrw_mps_rts = (float)nav->cfg.imu.vrw_mps_rts;
+    u.sd_bg_radps = (float)nav->cfg.imu.sd_bg_radps;
+    u.sd_ba_mps2 = (float)nav->cfg.imu.sd_am_mps2;
+    memcpy(u.r_station_e, nav->station.r_ea_e, sizeof u.r_station_e);
+    const bool changed = memcmp(&u, &nav->used, sizeof u) != 0;
+    nav->used = u;
+    if (!changed) { return; }
+    nav->used.t_ns = nav->at_horizon.t_ns;
+    nav->used.base_age_s = nav->epoch_solution.base_age_s;
+    const pel_imu_t *newest = pel_imu_ring_newest(&nav->ring);
+    nav->used.imu_rate_hz = (newest == NULL) ? 0.0f : (float)(1.0 / newest->dt_s);
+    nav->ready |= PEL_NAV_BIT(PEL_NAV_USED);
+}

@@ -1,0 +1,223 @@
+/* start.c - from nothing to GNSS alone, from there to the INS, and back when it must be. */
+#include "internal.h"
+
+#include "pelorus/earth.h"
+#include "pelorus/math.h"
+
+#define START_SD_R_M 5.0            /* at least: a single-point solution has biases its covariance does not know */
+#define START_SD_V_MPS 0.5
+#define UNKNOWN_SD_V_MPS 10.0       /* no Doppler */
+#define STATIC_MIN_S 20.0           /* gyrocompassing and gyro calibration need this much standing still */
+#define LEVEL_SPAN_S 1.0            /* specific force is averaged this long to level while moving */
+#define LEVEL_SD_RAD (4.0 * PEL_DEG)
+#define COURSE_SD_RAD (15.0 * PEL_DEG) /* crab, and a forward axis mounted by hand */
+#define COMPASS_SD_MAX_RAD (3.0 * PEL_DEG)
+#define IMU_READY_NS (50 * PEL_NS_PER_MS)
+
+void pel_nav_reset_alignment(pel_navigator_t *nav)
+{
+    const pel_imu_model_t *imu = &nav->cfg.imu;
+    const pel_align_config_t cfg = {
+        .arw_rad_rts = imu->arw_rad_rts,
+        .vrw_mps_rts = imu->vrw_mps_rts,
+        .sd_bg_radps = imu->sd_bg_radps,
+        .sd_ba_mps2 = imu->sd_am_mps2,
+        .block_s = 0.25,
+        .gyro_tol_radps = pel_max(0.002, 6.0 * imu->arw_rad_rts),
+        .accel_tol_mps2 = pel_max(0.02, 8.0 * imu->vrw_mps_rts),
+    };
+    pel_align_init(&nav->align, &cfg);
+    nav->first_imu_ns = 0;
+}
+
+void pel_nav_align_increment(pel_navigator_t *nav, const pel_imu_t *body)
+{
+    (void)pel_align_push(&nav->align, body);
+    if (nav->first_imu_ns == 0) {
+        nav->first_imu_ns = body->t_ns - (int64_t)(body->dt_s * 1e9);
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++) { nav->C_rel[i][j] = (i == j) ? 1.0 : 0.0; }
+        }
+    }
+    double turn[3][3], C[3][3];
+    pel_rotvec_to_dcm(body->alpha_ib_b, turn);
+    pel_mat3_mul(nav->C_rel, turn, C);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) { nav->C_rel[i][j] = C[i][j]; }
+    }
+}
+
+static void copy3(const double from[3], double to[3])
+{
+    for (int k = 0; k < 3; k++) { to[k] = from[k]; }
+}
+
+/* ---- GNSS alone ----------------------------------------------------------------------------------------------------- */
+
+void pel_nav_start_gnss(pel_navigator_t *nav, const pel_spp_t *spp)
+{
+    pel_model_gnss(&nav->model, &nav->cfg.imu);
+    nav->ins = false;
+    nav->have_state = true;
+    nav->at_horizon.t_ns = spp->t_ns;
+    copy3(spp->r_ea_e, nav->at_horizon.r_eb_e);
+    pel_real sd[PEL_MAX_STATES];
+    for (int k = 0; k < 3; k++) {
+        nav->at_horizon.v_eb_e[k] = spp->has_velocity ? spp->v_ea_e[k] : 0.0;
+        const double sd_v = spp->has_velocity ? START_SD_V_MPS : UNKNOWN_SD_V_MPS;
+        sd[k] = (pel_real)pel_sqrt(sd_v * sd_v + (spp->has_velocity ? spp->cov_v_e[k][k] : 0.0));
+        sd[3 + k] = (pel_real)pel_sqrt(START_SD_R_M * START_SD_R_M + 4.0 * spp->cov_r_e[k][k]);
+    }
+    if (pel_ud_init(&nav->ud, nav->model.n, sd) != PEL_OK) { nav->have_state = false; }
+    nav->now = nav->at_horizon;
+    nav->doubts = 0;
+}
+
+void pel_nav_drop_ins(pel_navigator_t *nav)
+{
+    if (!nav->ins) { return; }
+    pel_antenna_t ant;
+    pel_spp_t as_spp = {.t_ns = nav->at_horizon.t_ns, .has_velocity = true};
+    pel_nav_antenna(nav, &ant, as_spp.r_ea_e, as_spp.v_ea_e);
+    pel_nav_antenna_cov(nav, &ant, false, as_spp.cov_r_e);
+    pel_nav_antenna_cov(nav, &ant, true, as_spp.cov_v_e);
+    nav->counters.restarts++;
+    pel_nav_start_gnss(nav, &as_spp);
+    pel_nav_reset_alignment(nav);
+}
+
+/* ---- the INS -------------------------------------------------------------------------------------------------------- */
+
+/* The attitude given at the first increment, carried to t by the gyros and the turn of the Earth. */
+static void carry_given_attitude(const pel_navigator_t *nav, pel_time_t t_ns, double lat, double lon, pel_alignment_t *out)
+{
+    const pel_nav_config_t *cfg = &nav->cfg;
+    pel_align_from_attitude(cfg->roll_rad, cfg->pitch_rad, cfg->heading_rad, cfg->sd_tilt_rad, cfg->sd_heading_rad, lat, lon,
+                            out);
+    double C_rel[3][3], back[3][3], C[3][3];
+    for (int i = 0; i < 3; i++) { copy3(nav->C_rel[i], C_rel[i]); }
+    pel_imu_t part, rest;
+    for (int i = nav->ring.n - 1; i >= 0 && pel_imu_ring_at(&nav->ring, i)->t_ns > t_ns; i--) {
+        part = *pel_imu_ring_at(&nav->ring, i);
+        (void)pel_imu_split(&part, t_ns, &rest, &part);
+        const double undo[3] = {-part.alpha_ib_b[0], -part.alpha_ib_b[1], -part.alpha_ib_b[2]};
+        pel_rotvec_to_dcm(undo, back);
+        pel_mat3_mul(C_rel, back, C);
+        for (int k = 0; k < 3; k++) { copy3(C[k], C_rel[k]); }
+    }
+    const double earth_turn[3] = {0.0, 0.0, -PEL_OMEGA_IE * pel_time_diff_s(t_ns, nav->first_imu_ns)};
+    double turn[3][3], now[3][3];
+    pel_mat3_mul(out->C_b_e, C_rel, C);
+    pel_rotvec_to_dcm(earth_turn, turn);
+    pel_mat3_mul(turn, C, now);
+    for (int k = 0; k < 3; k++) { copy3(now[k], out->C_b_e[k]); }
+}
+
+/* Mean specific force over the last LEVEL_SPAN_S before t. False if the ring does not hold half of it. */
+static bool mean_specific_force(const pel_navigator_t *nav, pel_time_t t_ns, double f_ib_b[3])
+{
+    double sum[3] = {0.0, 0.0, 0.0};
+    double span_s = 0.0;
+    for (int i = pel_imu_ring_after(&nav->ring, t_ns) - 1; i >= 0 && span_s < LEVEL_SPAN_S; i--) {
+        const pel_imu_t *imu = pel_imu_ring_at(&nav->ring, i);
+        span_s += imu->dt_s;
+        for (int k = 0; k < 3; k++) { sum[k] += imu->upsilon_ib_b[k]; }
+    }
+    for (int k = 0; k < 3; k++) { f_ib_b[k] = sum[k] / span_s; }
+    return span_s > 0.25 * LEVEL_SPAN_S;
+}
+
+/* Level from gravity and the GNSS acceleration, heading from the course over ground. */
+static bool align_moving(const pel_navigator_t *nav, double lat, double lon, double h, pel_alignment_t *out)
+{
+    const pel_strapdown_t *s = &nav->at_horizon;
+    double C_e_enu[3][3], v_enu[3], dv_e[3], a_enu[3], f_ib_b[3];
+    pel_earth_C_e_enu(lat, lon, C_e_enu);
+    pel_mat3_vec(C_e_enu, s->v_eb_e, v_enu);
+    const double speed = pel_sqrt(v_enu[0] * v_enu[0] + v_enu[1] * v_enu[1]);
+    const double dt_s = pel_time_diff_s(s->t_ns, nav->epoch_before_ns);
+    if (speed < nav->cfg.align_speed_mps || !mean_specific_force(nav, s->t_ns, f_ib_b)) { return false; }
+    for (int k = 0; k < 3; k++) { dv_e[k] = (s->v_eb_e[k] - nav->v_before_e[k]) / pel_max(dt_s, 0.05); }
+    pel_mat3_vec(C_e_enu, dv_e, a_enu);
+    const bool have_a = nav->epoch_before_ns != 0 && dt_s < 1.5;
+    const double sd_course = pel_sqrt(COURSE_SD_RAD * COURSE_SD_RAD + 0.01 / (speed * speed));
+    return pel_align_level(f_ib_b, have_a ? a_enu : NULL, pel_atan2(v_enu[0], v_enu[1]), sd_course, LEVEL_SD_RAD, lat, lon, h,
+                           out) == PEL_OK;
+}
+
+/* While standing still the gyros show their own error (and 15 deg/h of the Earth): better than the data sheet. */
+static void calibrate_gyros(pel_navigator_t *nav, const double C_b_e[3][3], pel_real sd[PEL_MAX_STATES])
+{
+    const double t_s = nav->align.t_static_s;
+    if (t_s < 1.0) { return; }
+    const double omega_ie_e[3] = {0.0, 0.0, PEL_OMEGA_IE};
+    double omega_ie_b[3];
+    pel_mat3_tvec(C_b_e, omega_ie_e, omega_ie_b);
+    const double sd_mean = nav->cfg.imu.arw_rad_rts / pel_sqrt(t_s) + PEL_OMEGA_IE;
+    if (sd_mean >= nav->cfg.imu.sd_bg_radps) { return; }
+    for (int k = 0; k < 3; k++) {
+        nav->errors.gyro_constant[k] = nav->align.sum_alpha[k] / t_s - omega_ie_b[k];
+        sd[k] = (pel_real)sd_mean;
+    }
+}
+
+static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
+{
+    double lat, lon, h;
+    pel_earth_ecef_to_llh(nav->at_horizon.r_eb_e, &lat, &lon, &h);
+    if (nav->cfg.have_attitude && nav->counters.restarts == 0) {
+        carry_given_attitude(nav, nav->at_horizon.t_ns, lat, lon, out);
+        return true;
+    }
+    if (nav->align.t_static_s >= STATIC_MIN_S && nav->align.still &&
+        pel_align_gyrocompass(&nav->align, lat, lon, h, COMPASS_SD_MAX_RAD, out) == PEL_OK) {
+        return true;
+    }
+    return align_moving(nav, lat, lon, h, out);
+}
+
+static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
+{
+    pel_antenna_t ant;
+    double P_r[3][3], P_v[3][3], r_e[3], v_e[3];
+    pel_nav_antenna(nav, &ant, r_e, v_e);
+    pel_nav_antenna_cov(nav, &ant, false, P_r);
+    pel_nav_antenna_cov(nav, &ant, true, P_v);
+
+    pel_real sd[PEL_MAX_STATES];
+    pel_model_ins_ecef(&nav->model, &nav->cfg.imu);
+    for (int i = 0; i < nav->model.n; i++) { sd[i] = PEL_R(1.0); }
+    pel_model_sensor_sd(&nav->model, sd);
+    nav->errors = (pel_sensor_errors_t){{0}, {0}, {0}};
+    calibrate_gyros(nav, attitude->C_b_e, sd);
+    pel_status_t status = pel_ud_init(&nav->ud, nav->model.n, sd);
+    if (status == PEL_OK) {
+        status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE), attitude->cov_psi_e);
+    }
+    if (status == PEL_OK) { status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_VELOCITY), P_v); }
+    if (status == PEL_OK) { status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_r); }
+    if (status != PEL_OK) {
+        nav->counters.numeric_faults++;
+        nav->have_state = false;
+        return;
+    }
+    nav->ins = true;
+    for (int i = 0; i < 3; i++) { copy3(attitude->C_b_e[i], nav->at_horizon.C_b_e[i]); }
+    double lever_e[3];
+    pel_mat3_vec(nav->at_horizon.C_b_e, nav->cfg.lever_ba_b, lever_e);
+    for (int k = 0; k < 3; k++) { nav->at_horizon.r_eb_e[k] -= lever_e[k]; }
+    pel_coning_init(&nav->coning_horizon);
+    pel_propagator_init(&nav->propagator, nav->at_horizon.C_b_e);
+    nav->poses.n = 0;
+}
+
+void pel_nav_try_start_ins(pel_navigator_t *nav)
+{
+    const pel_preset_t preset = nav->cfg.preset;
+    const pel_time_t t_ns = nav->at_horizon.t_ns;
+    if (nav->ins || preset == PEL_PRESET_SINGLE || preset == PEL_PRESET_RTK) { return; }
+    const pel_imu_t *oldest = pel_imu_ring_oldest(&nav->ring);
+    if (oldest == NULL || oldest->t_ns > t_ns - IMU_READY_NS || nav->last_imu_ns < t_ns) { return; }
+    pel_alignment_t attitude;
+    if (find_attitude(nav, &attitude)) { begin_ins(nav, &attitude); }
+}

@@ -1,0 +1,185 @@
+/* nav_config.c - the [navigator] table of a TOML text becomes the navigator's configuration. docs/CONFIG.md lists the keys. */
+#include <stdio.h>
+#include <string.h>
+
+#include "config_file.h"
+#include "desktop.h"
+#include "pelorus/math.h"
+
+#define DEG_PER_HOUR (PEL_DEG / 3600.0)
+#define DEG_PER_ROOT_HOUR (PEL_DEG / 60.0)
+#define MICRO_G 9.80665e-6
+
+static void read_words(config_file_t *c, const char *path, const char *const *words, int n, uint8_t *mask)
+{
+    const int given = config_file_array_size(c, path);
+    if (given == 0) { return; }
+    *mask = 0;
+    for (int i = 0; i < given; i++) {
+        const char *word = config_file_string_at(c, path, i, "");
+        int k = 0;
+        while (k < n && strcmp(word, words[k]) != 0) { k++; }
+        if (k < n) { *mask |= (uint8_t)(1u << k); }
+        else { config_file_complain(c, path, "names something unknown"); }
+    }
+}
+
+static void read_preset(config_file_t *c, pel_nav_config_t *cfg)
+{
+    static const struct {
+        const char *name;
+        pel_preset_t preset;
+    } NAMES[] = {{"auto", PEL_PRESET_AUTO},         {"single", PEL_PRESET_SINGLE},   {"rtk", PEL_PRESET_RTK},
+                 {"gnss", PEL_PRESET_RTK},          {"ins-single", PEL_PRESET_INS_SINGLE}, {"ins-rtk", PEL_PRESET_INS_RTK},
+                 {"s5", PEL_PRESET_INS_RTK}};
+    const char *name = config_file_string(c, "navigator.preset", "auto");
+    for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
+        if (strcmp(name, NAMES[i].name) == 0) {
+            cfg->preset = NAMES[i].preset;
+            return;
+        }
+    }
+    config_file_complain(c, "navigator.preset", "is one of auto, single, rtk, ins-single, ins-rtk");
+}
+
+static void read_general(config_file_t *c, pel_nav_config_t *cfg)
+{
+    static const char *const SYSTEMS[] = {"gps", "glonass", "galileo", "beidou", "qzss", "sbas"};
+    static const char *const CARRIERS[] = {"L1", "L2", "L5", "E5b", "E6", "B1I", "B3I"};
+    read_preset(c, cfg);
+    const double hz = config_file_number(c, "navigator.output_hz", 1e9 / (double)cfg->output_period_ns);
+    if (hz < 0.0 || hz > 1000.0) { config_file_complain(c, "navigator.output_hz", "lies within 0 and 1000"); }
+    else { cfg->output_period_ns = (hz > 0.0) ? (int64_t)(1e9 / hz + 0.5) : 0; }
+    cfg->mask_rad = config_file_number(c, "navigator.mask_deg", cfg->mask_rad / PEL_DEG) * PEL_DEG;
+    if (!(cfg->mask_rad >= 0.0 && cfg->mask_rad < PEL_PI / 2.0)) { config_file_complain(c, "navigator.mask_deg", "lies within 0 and 90"); }
+    cfg->integer_mask_rad = pel_max(cfg->mask_rad, cfg->integer_mask_rad);
+    cfg->integer_mask_rad = config_file_number(c, "navigator.integers.mask_deg", cfg->integer_mask_rad / PEL_DEG) * PEL_DEG;
+    read_words(c, "navigator.systems", SYSTEMS, PEL_N_SYS, &cfg->systems);
+    read_words(c, "navigator.carriers", CARRIERS, PEL_N_CARRIER, &cfg->carriers);
+    cfg->coast_after_s = (float)config_file_number(c, "navigator.coast_after_s", (double)cfg->coast_after_s);
+    cfg->apply_delay_s = (float)config_file_number(c, "navigator.apply_delay_s", (double)cfg->apply_delay_s);
+}
+
+static void read_imu(config_file_t *c, pel_nav_config_t *cfg)
+{
+    pel_imu_model_t *imu = &cfg->imu;
+    const double accel_psd = imu->accel_psd_rts;
+    const char *model = config_file_string(c, "navigator.imu.model", "mems");
+    if (strcmp(model, "tactical") == 0) { pel_imu_model_preset(PEL_IMU_GRADE_TACTICAL, imu); }
+    else if (strcmp(model, "mems") == 0 || strcmp(model, "custom") == 0) { pel_imu_model_preset(PEL_IMU_GRADE_MEMS, imu); }
+    else { config_file_complain(c, "navigator.imu.model", "is one of tactical, mems, custom"); }
+    imu->accel_psd_rts = config_file_number(c, "navigator.gnss.accel_mps2_rthz", accel_psd);
+    imu->arw_rad_rts = config_file_number(c, "navigator.imu.arw_deg_rth", imu->arw_rad_rts / DEG_PER_ROOT_HOUR) * DEG_PER_ROOT_HOUR;
+    imu->vrw_mps_rts = config_file_number(c, "navigator.imu.vrw_mps_rth", imu->vrw_mps_rts * 60.0) / 60.0;
+    imu->sd_bg_radps = config_file_number(c, "navigator.imu.gyro_bias_deg_h", imu->sd_bg_radps / DEG_PER_HOUR) * DEG_PER_HOUR;
+    imu->sd_gm_radps = config_file_number(c, "navigator.imu.gyro_markov_deg_h", imu->sd_gm_radps / DEG_PER_HOUR) * DEG_PER_HOUR;
+    imu->tau_gm_s = config_file_number(c, "navigator.imu.gyro_tau_s", imu->tau_gm_s);
+    imu->sd_am_mps2 = config_file_number(c, "navigator.imu.accel_markov_ug", imu->sd_am_mps2 / MICRO_G) * MICRO_G;
+    imu->tau_am_s = config_file_number(c, "navigator.imu.accel_tau_s", imu->tau_am_s);
+    if (!(imu->arw_rad_rts > 0.0 && imu->vrw_mps_rts > 0.0 && imu->sd_bg_radps > 0.0 && imu->sd_gm_radps > 0.0 &&
+          imu->sd_am_mps2 > 0.0 && imu->tau_gm_s >= 10.0 && imu->tau_am_s >= 10.0)) {
+        config_file_complain(c, "navigator.imu", "holds a noise that is not positive or a time constant below 10 s");
+    }
+}
+
+/* C from sensor (or camera) to body by roll, pitch, yaw of the sensor on the body: yaw about z, then pitch about x, then roll
+ * about y, as for the body on the Earth. */
+static void rotation_from_degrees(const double rpy_deg[3], double C[3][3])
+{
+    const double about_z[3] = {0.0, 0.0, -rpy_deg[2] * PEL_DEG}, about_x[3] = {rpy_deg[1] * PEL_DEG, 0.0, 0.0};
+    const double about_y[3] = {0.0, rpy_deg[0] * PEL_DEG, 0.0};
+    double Z[3][3], X[3][3], Y[3][3], ZX[3][3];
+    pel_rotvec_to_dcm(about_z, Z);
+    pel_rotvec_to_dcm(about_x, X);
+    pel_rotvec_to_dcm(about_y, Y);
+    pel_mat3_mul(Z, X, ZX);
+    pel_mat3_mul(ZX, Y, C);
+}
+
+static void read_mount(config_file_t *c, pel_nav_config_t *cfg)
+{
+    double rpy_deg[3] = {0.0, 0.0, 0.0}, boresight_deg[3] = {0.0, 0.0, 0.0};
+    (void)config_file_numbers(c, "navigator.mount.lever_arm_m", cfg->lever_ba_b, 3);
+    rpy_deg[0] = config_file_number(c, "navigator.mount.roll_deg", 0.0);
+    rpy_deg[1] = config_file_number(c, "navigator.mount.pitch_deg", 0.0);
+    rpy_deg[2] = config_file_number(c, "navigator.mount.yaw_deg", 0.0);
+    rotation_from_degrees(rpy_deg, cfg->C_s_b);
+    (void)config_file_numbers(c, "navigator.camera.lever_m", cfg->lever_bc_b, 3);
+    (void)config_file_numbers(c, "navigator.camera.boresight_deg", boresight_deg, 3);
+    rotation_from_degrees(boresight_deg, cfg->C_c_b);
+}
+
+static void read_start(config_file_t *c, pel_nav_config_t *cfg)
+{
+    double attitude_deg[3];
+    cfg->have_attitude = config_file_numbers(c, "navigator.start.attitude_deg", attitude_deg, 3);
+    if (cfg->have_attitude) {
+        cfg->roll_rad = attitude_deg[0] * PEL_DEG;
+        cfg->pitch_rad = attitude_deg[1] * PEL_DEG;
+        cfg->heading_rad = attitude_deg[2] * PEL_DEG;
+    }
+    cfg->sd_tilt_rad = config_file_number(c, "navigator.start.sd_tilt_deg", cfg->sd_tilt_rad / PEL_DEG) * PEL_DEG;
+    cfg->sd_heading_rad = config_file_number(c, "navigator.start.sd_heading_deg", cfg->sd_heading_rad / PEL_DEG) * PEL_DEG;
+    cfg->align_speed_mps = config_file_number(c, "navigator.start.align_speed_mps", cfg->align_speed_mps);
+}
+
+/* One figure at the zenith; with the elevation law half of its variance grows as 1/sin^2. */
+static void read_noise(config_file_t *c, const char *path, bool law, double *a, double *b)
+{
+    double zenith = pel_sqrt(*a * *a + *b * *b);
+    const bool given = config_file_has(c, path);
+    zenith = config_file_number(c, path, zenith);
+    if (!(zenith > 0.0)) { config_file_complain(c, path, "is positive"); }
+    if (!given && law) { return; }
+    *a = law ? zenith * 0.70710678118654752 : zenith;
+    *b = law ? *a : 0.0;
+}
+
+static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
+{
+    const bool law = config_file_bool(c, "navigator.gnss.elevation_law", true);
+    read_noise(c, "navigator.gnss.code_m", law, &cfg->noise.code_a_m, &cfg->noise.code_b_m);
+    read_noise(c, "navigator.gnss.phase_m", law, &cfg->noise.phase_a_m, &cfg->noise.phase_b_m);
+    read_noise(c, "navigator.gnss.doppler_mps", law, &cfg->noise.doppler_a_mps, &cfg->noise.doppler_b_mps);
+    read_noise(c, "navigator.gnss.single_code_m", law, &cfg->noise_single.code_a_m, &cfg->noise_single.code_b_m);
+    read_noise(c, "navigator.gnss.single_doppler_mps", law, &cfg->noise_single.doppler_a_mps, &cfg->noise_single.doppler_b_mps);
+    cfg->noise.iono_mm_per_km = config_file_number(c, "navigator.gnss.iono_mm_per_km", cfg->noise.iono_mm_per_km);
+    cfg->base_max_age_s = (float)config_file_number(c, "navigator.gnss.base_max_age_s", (double)cfg->base_max_age_s);
+    cfg->base_wait_s = (float)config_file_number(c, "navigator.gnss.base_wait_s", (double)cfg->base_wait_s);
+    cfg->integers = config_file_bool(c, "navigator.integers.enable", cfg->integers);
+    cfg->ratio_min = (float)config_file_number(c, "navigator.integers.ratio_min", (double)cfg->ratio_min);
+    cfg->success_min = (float)config_file_number(c, "navigator.integers.success_min", (double)cfg->success_min);
+    cfg->node_budget = (int32_t)config_file_integer(c, "navigator.integers.node_budget", cfg->node_budget);
+}
+
+static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t cap)
+{
+    read_general(c, cfg);
+    read_imu(c, cfg);
+    read_mount(c, cfg);
+    read_start(c, cfg);
+    read_gnss(c, cfg);
+    static const char *const OTHERS[] = {"scenario", "run",  "place",  "segment", "imu",  "constellation", "rover",
+                                         "base",     "link", "events", "truth",   "time", "atmosphere",    "setup"};
+    for (size_t i = 0; i < sizeof OTHERS / sizeof OTHERS[0]; i++) { config_file_allow(c, OTHERS[i]); }
+    return (config_file_check(c, why, cap) == 0) ? 0 : EXIT_USAGE;
+}
+
+int desktop_config_from_file(const char *path, pel_nav_config_t *cfg, char *why, size_t cap)
+{
+    bool unreadable = false;
+    config_file_t *c = config_file_open(path, &unreadable, why, cap);
+    if (c == NULL) { return unreadable ? EXIT_UNREADABLE : EXIT_USAGE; }
+    const int code = read_all(c, cfg, why, cap);
+    config_file_close(c);
+    return code;
+}
+
+int desktop_config_from_text(const char *text, const char *name, pel_nav_config_t *cfg, char *why, size_t cap)
+{
+    config_file_t *c = config_file_parse(text, name, why, cap);
+    if (c == NULL) { return EXIT_USAGE; }
+    const int code = read_all(c, cfg, why, cap);
+    config_file_close(c);
+    return code;
+}
