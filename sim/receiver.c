@@ -204,7 +204,7 @@ static bool track(receiver_t *r, const sat_t *sat, const signal_t *signal, chann
             rng_markov(&r->multipath, c->mp_phase, r->cfg.multipath_phase_m, r->cfg.multipath_tau_s, interval_s);
     }
     if (!c->tracked) {
-        if (t_s - c->since_s < r->cfg.lock_s && r->k > 0 && t_s > r->cfg.lock_s) { return false; }
+        if (t_s - c->since_s < r->cfg.lock_s && t_s > r->cfg.lock_s) { return false; }
         c->tracked = true;
         c->N = (double)rng_integer(&r->lock, 1000);
         new_lock(r, c, t_s);
