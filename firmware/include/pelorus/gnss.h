@@ -91,8 +91,8 @@ typedef struct {
     float az_rad, el_rad;
     float sd_eph_m;             /* orbit and clock, 1 sigma as broadcast */
     float tgd_m[2];             /* c * tgd_s[] */
-    double r_s_e[3];            /* satellite at transmission, turned to the Earth's attitude at reception */
-    double v_s_e[3];            /* its velocity, turned likewise */
+    double r_s_e[3];            /* satellite at transmission, ECEF of that instant */
+    double v_s_e[3];            /* its velocity, likewise */
     double u_e[3];              /* unit vector antenna -> satellite */
     double rho_m;               /* geometric range */
     double rho_rate_mps;        /* its derivative by receive time */
@@ -289,12 +289,13 @@ typedef struct {
     char code;
     bool half;
     bool has_rate;
-    bool reduced;   /* y_m and rate have the predicted range subtracted */
-    float rate_mps; /* -lambda D, less the predicted rate if reduced */
+    bool predicted; /* range_m is there */
+    float rate_mps; /* -lambda D */
     uint32_t lock_ms;
     pel_time_t t_ns;
-    double y_m;    /* lambda L, less the predicted range if reduced */
-    double code_m; /* P - lambda L, NaN-free; 0 if no code */
+    double y_m;     /* lambda L */
+    double code_m;  /* P - lambda L; 0 if no code */
+    double range_m; /* pel_sight_phase_m() then */
 } pel_slip_entry_t;
 
 typedef struct {

@@ -1,0 +1,84 @@
+#include <string.h>
+
+#include "pelorus/gnss.h"
+#include "pelorus/math.h"
+
+/* Elements that no satellite of these systems has stop here, so that nothing downstream meets a NaN or a crash orbit. */
+static bool plausible(const pel_ephemeris_t *p)
+{
+    const double finite[] = {p->af0,      p->af1,      p->af2, p->i0,   p->Omega0,    p->omega, p->M0,
+                             p->dn,       p->cuc,      p->cus, p->crc,  p->crs,       p->cic,   p->cis,
+                             p->tgd_s[0], p->tgd_s[1], p->e,   p->idot, p->Omega_dot, p->sqrt_a};
+
+    if (p->sys >= PEL_N_SYS || p->sys == PEL_SYS_GLO || p->sys == PEL_SYS_SBS) { return false; }
+    if (p->prn < 1 || p->prn > pel_sys_max_prn((pel_sys_t)p->sys)) { return false; }
+    for (size_t i = 0; i < sizeof finite / sizeof finite[0]; i++) {
+        if (!pel_isfinite(finite[i])) { return false; }
+    }
+    return p->sqrt_a > 4000.0 && p->sqrt_a < 7000.0 && p->e >= 0.0 && p->e < 0.5 && pel_fabs(p->af0) < 0.1 &&
+           pel_fabs(p->M0) < 10.0 && pel_fabs(p->omega) < 10.0 && pel_fabs(p->Omega0) < 10.0 && pel_fabs(p->i0) < 4.0 &&
+           pel_fabs(p->dn) < 1e-6 && pel_fabs(p->tgd_s[0]) < 1e-5 && pel_fabs(p->tgd_s[1]) < 1e-5 && p->fit_s >= 0.0f &&
+           p->fit_s < 1e6f && p->sd_ura_m >= 0.0f && p->toe_ns > 0 && p->toc_ns > 0;
+}
+
+static bool same_satellite(const pel_ephemeris_t *a, const pel_ephemeris_t *b)
+{
+    return a->sys == b->sys && a->prn == b->prn && a->source == b->source;
+}
+
+void pel_orbits_init(pel_orbits_t *o)
+{
+    memset(o, 0, sizeof *o);
+}
+
+pel_status_t pel_orbits_add(pel_orbits_t *o, const pel_ephemeris_t *eph)
+{
+    int of_sat = 0;
+    int oldest_of_sat = -1;
+    int oldest = -1;
+
+    if (!plausible(eph)) { return PEL_E_RANGE; }
+    for (int i = 0; i < o->n; i++) {
+        const pel_ephemeris_t *k = &o->eph[i];
+        if (oldest < 0 || k->toe_ns < o->eph[oldest].toe_ns) { oldest = i; }
+        if (!same_satellite(k, eph)) { continue; }
+        if (k->toe_ns == eph->toe_ns) {
+            o->eph[i] = *eph;
+            return PEL_OK;
+        }
+        of_sat++;
+        if (oldest_of_sat < 0 || k->toe_ns < o->eph[oldest_of_sat].toe_ns) { oldest_of_sat = i; }
+    }
+    if (of_sat < 2 && o->n < PEL_MAX_EPH) {
+        o->eph[o->n++] = *eph;
+        return PEL_OK;
+    }
+    o->eph[(oldest_of_sat >= 0) ? oldest_of_sat : oldest] = *eph;
+    return PEL_OK;
+}
+
+static double usable_for_s(const pel_ephemeris_t *p)
+{
+    const double grace_s = 600.0;
+    const double fit_s = (double)p->fit_s;
+    if (fit_s > 0.0) { return fit_s + grace_s; }
+    return ((p->sys == PEL_SYS_GAL) ? 14400.0 : 7200.0) + grace_s;
+}
+
+const pel_ephemeris_t *pel_orbits_find(const pel_orbits_t *o, uint8_t sys, uint8_t prn, pel_time_t t_ns)
+{
+    const pel_ephemeris_t *best = NULL;
+    double best_s = 0.0;
+
+    for (int i = 0; i < o->n; i++) {
+        const pel_ephemeris_t *p = &o->eph[i];
+        if (p->sys != sys || p->prn != prn) { continue; }
+        const double age_s = pel_fabs(pel_time_diff_s(t_ns, p->toe_ns));
+        if (age_s > usable_for_s(p)) { continue; }
+        if (best == NULL || p->source < best->source || (p->source == best->source && age_s < best_s)) {
+            best = p;
+            best_s = age_s;
+        }
+    }
+    return best;
+}
