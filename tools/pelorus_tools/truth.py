@@ -150,7 +150,7 @@ def _pos(content, path):
     if "UTC" in header:
         t = t + gpstime.leap_s(t) * gpstime.NS
     a = np.array([[float(x) for x in r[2:]] for r in rows])
-    velocity = a[:, 15:18] if a.shape[1] >= 18 else None
+    velocity = a[:, 13:16] if a.shape[1] >= 16 else None
     if "x-ecef" in header:
         r_e = a[:, 0:3]
         v_e = velocity
