@@ -39,15 +39,15 @@
 #define PEL_IMU_RING 256
 #endif
 
-/* Satellites whose navigation messages are collected at the same time, in each receiver decoder; 128 bytes each. */
+/* Satellites whose navigation messages are collected at the same time, in each receiver decoder; 100 bytes each. */
 #ifndef PEL_NAV_SLOTS
 #define PEL_NAV_SLOTS 48
 #endif
-#define PEL_NAV_BYTES 120 /* one satellite's parts: the largest is BeiDou D2, ten pages of 12 bytes */
+#define PEL_NAV_BYTES 84 /* one satellite's parts: the largest is BeiDou D1, three subframes of 28 bytes */
 
 /* Longest frame a byte decoder accepts: a UBX RXM-RAWX with PEL_MAX_OBS signals, or an RTCM 3 frame (1029). */
 #define PEL_RAWX_FRAME_BYTES (8 + 16 + 32 * PEL_MAX_OBS)
-#define PEL_MAX_FRAME_BYTES ((PEL_RAWX_FRAME_BYTES > 1100) ? PEL_RAWX_FRAME_BYTES : 1100)
+#define PEL_MAX_FRAME_BYTES  ((PEL_RAWX_FRAME_BYTES > 1100) ? PEL_RAWX_FRAME_BYTES : 1100)
 
 _Static_assert(PEL_MAX_OBS >= 8 && PEL_MAX_OBS <= 255, "PEL_MAX_OBS: 8 to 255");
 _Static_assert(PEL_MAX_SATS >= 8 && PEL_MAX_SATS <= 96, "PEL_MAX_SATS: 8 to 96");

@@ -33,6 +33,7 @@ typedef struct {
     uint8_t sys, prn; /* prn 0: free */
     uint16_t have;    /* bit i: part i is stored */
     uint32_t touched; /* rx->nav_clock when last written */
+    uint32_t start_s; /* BeiDou: second of week where the frame began; parts of different frames do not mix */
     uint8_t data[PEL_NAV_BYTES];
 } pel_nav_slot_t;
 

@@ -1,0 +1,191 @@
+#include "pelorus/bits.h"
+
+#include <string.h>
+
+uint64_t pel_bits_u(const uint8_t *p, size_t pos, unsigned n_bits)
+{
+    uint64_t v = 0;
+    size_t i = pos;
+    const size_t end = pos + n_bits;
+    while (i < end) {
+        /* as many bits as this byte still has, or as are wanted */
+        const unsigned left = 8u - (unsigned)(i & 7u);
+        const unsigned take = (end - i < left) ? (unsigned)(end - i) : left;
+        const uint64_t part = ((uint64_t)p[i >> 3] >> (left - take)) & ((1u << take) - 1u);
+        v = (v << take) | part;
+        i += take;
+    }
+    return v;
+}
+
+int64_t pel_bits_s(const uint8_t *p, size_t pos, unsigned n_bits)
+{
+    const uint64_t v = pel_bits_u(p, pos, n_bits);
+    const uint64_t sign = UINT64_C(1) << (n_bits - 1u);
+    return (int64_t)((v ^ sign) - sign);
+}
+
+void pel_bits_put(uint8_t *p, size_t pos, unsigned n_bits, uint64_t value)
+{
+    size_t i = pos + n_bits;
+    while (i > pos) { /* from the last bit backwards, a byte at a time */
+        const unsigned used = (unsigned)((i - 1u) & 7u) + 1u;
+        const unsigned take = (i - pos < used) ? (unsigned)(i - pos) : used;
+        const unsigned shift = 8u - used;
+        const unsigned mask = ((1u << take) - 1u) << shift;
+        const size_t at = (i - 1u) >> 3;
+        p[at] = (uint8_t)((p[at] & ~mask) | (((unsigned)(value & 0xFFu) << shift) & mask));
+        value >>= take;
+        i -= take;
+    }
+}
+
+void pel_bit_reader_init(pel_bit_reader_t *r, const uint8_t *p, size_t n_bytes)
+{
+    r->p = p;
+    r->n_bits = 8u * n_bytes;
+    r->pos = 0;
+    r->overrun = false;
+}
+
+static bool advance(pel_bit_reader_t *r, size_t n_bits, size_t *at)
+{
+    if (r->overrun || n_bits > r->n_bits - r->pos) {
+        r->overrun = true;
+        return false;
+    }
+    *at = r->pos;
+    r->pos += n_bits;
+    return true;
+}
+
+uint64_t pel_read_u(pel_bit_reader_t *r, unsigned n_bits)
+{
+    size_t at;
+    return advance(r, n_bits, &at) ? pel_bits_u(r->p, at, n_bits) : 0u;
+}
+
+int64_t pel_read_s(pel_bit_reader_t *r, unsigned n_bits)
+{
+    size_t at;
+    return advance(r, n_bits, &at) ? pel_bits_s(r->p, at, n_bits) : 0;
+}
+
+int64_t pel_read_sm(pel_bit_reader_t *r, unsigned n_bits)
+{
+    size_t at;
+    if (!advance(r, n_bits, &at)) { return 0; }
+    const int64_t magnitude = (int64_t)pel_bits_u(r->p, at + 1u, n_bits - 1u);
+    return (pel_bits_u(r->p, at, 1) != 0u) ? -magnitude : magnitude;
+}
+
+void pel_skip_bits(pel_bit_reader_t *r, size_t n_bits)
+{
+    size_t at;
+    (void)advance(r, n_bits, &at);
+}
+
+void pel_bit_writer_init(pel_bit_writer_t *w, uint8_t *p, size_t n_bytes)
+{
+    memset(p, 0, n_bytes);
+    w->p = p;
+    w->n_bits = 8u * n_bytes;
+    w->pos = 0;
+    w->overrun = false;
+    w->out_of_range = false;
+}
+
+static void write_bits(pel_bit_writer_t *w, unsigned n_bits, uint64_t value)
+{
+    if (w->overrun || n_bits > w->n_bits - w->pos) {
+        w->overrun = true;
+        return;
+    }
+    pel_bits_put(w->p, w->pos, n_bits, value);
+    w->pos += n_bits;
+}
+
+void pel_write_u(pel_bit_writer_t *w, unsigned n_bits, uint64_t value)
+{
+    if (n_bits < 64u && (value >> n_bits) != 0u) { w->out_of_range = true; }
+    write_bits(w, n_bits, value);
+}
+
+void pel_write_s(pel_bit_writer_t *w, unsigned n_bits, int64_t value)
+{
+    const int64_t limit = (int64_t)(UINT64_C(1) << (n_bits - 1u));
+    if (n_bits < 64u && (value < -limit || value >= limit)) { w->out_of_range = true; }
+    write_bits(w, n_bits, (uint64_t)value);
+}
+
+uint64_t pel_le_u(const uint8_t *p, unsigned n_bytes)
+{
+    uint64_t v = 0;
+    for (unsigned i = n_bytes; i > 0; i--) { v = (v << 8) | p[i - 1u]; }
+    return v;
+}
+
+int64_t pel_le_s(const uint8_t *p, unsigned n_bytes)
+{
+    const uint64_t sign = UINT64_C(1) << (8u * n_bytes - 1u);
+    return (int64_t)((pel_le_u(p, n_bytes) ^ sign) - sign);
+}
+
+/* The bits of a number are copied, never its struct or its pointer: IEEE 754 is asked for, byte order is not. */
+float pel_le_f32(const uint8_t *p)
+{
+    const uint32_t bits = (uint32_t)pel_le_u(p, 4);
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+double pel_le_f64(const uint8_t *p)
+{
+    const uint64_t bits = pel_le_u(p, 8);
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+void pel_le_put(uint8_t *p, unsigned n_bytes, uint64_t value)
+{
+    for (unsigned i = 0; i < n_bytes; i++) {
+        p[i] = (uint8_t)value;
+        value >>= 8;
+    }
+}
+
+void pel_le_put_f32(uint8_t *p, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    pel_le_put(p, 4, bits);
+}
+
+void pel_le_put_f64(uint8_t *p, double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    pel_le_put(p, 8, bits);
+}
+
+int64_t pel_round_i64(double x)
+{
+    const double limit = 4611686018427387904.0; /* 2^62 */
+    if (!(x > -limit && x < limit)) { return INT64_MIN; }
+    /* x + 0.5 would round again for large x: compare the fraction, which is exact */
+    const int64_t whole = (int64_t)x;
+    const double fraction = x - (double)whole;
+    if (fraction >= 0.5) { return whole + 1; }
+    if (fraction <= -0.5) { return whole - 1; }
+    return whole;
+}
+
+double pel_pow2(int n)
+{
+    const uint64_t bits = (uint64_t)(n + 1023) << 52;
+    double v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
