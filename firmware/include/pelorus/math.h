@@ -132,7 +132,7 @@ void pel_mat3_congruence(const double A[3][3], const double P[3][3], double out[
 /* Ainv = A^-1. PEL_E_GEOMETRY and Ainv unchanged if |det A| <= 1e-30 times the product of its row norms. */
 pel_status_t pel_mat3_inverse(const double A[3][3], double Ainv[3][3]);
 
-/* C = exp([v x]): the rotation by |v| rad about v. Orthogonal to 4e-16. About 60 flops below 0.03 rad, a sine more above. */
+/* C = exp([v x]): the rotation by |v| rad about v. Orthogonal to 2e-15. About 60 flops below 0.03 rad, a sine more above. */
 void pel_rotvec_to_dcm(const double v[3], double C[3][3]);
 
 /* v with exp([v x]) = C, |v| in [0, pi]; C orthogonal. Absolute error below 1e-15 up to |v| = 3, growing to 1e-8 at pi. */
