@@ -87,14 +87,13 @@ typedef struct {
     double r_eb_e[3];
     double theta_b_e[3];       /* rotation vector of C_b_e */
     float v_eb_e[3];
-    float omega_ib_b[3];       /* mean over the intervals on both sides */
+    float alpha_ib_b[3];       /* turn since the pose before, rad */
 } pel_pose_t;
 
 typedef struct {
     pel_pose_t pose[PEL_POSE_RING];
     uint16_t head, n;
-    pel_time_t previous_ns;            /* the node before the newest */
-    double alpha_before[3], alpha_after[3]; /* rotation since it, and since the newest, rad */
+    double alpha[3];           /* turn since the newest pose, rad */
 } pel_pose_ring_t;
 
 #define PEL_ROVER_QUEUE 3

@@ -12,38 +12,20 @@ static const pel_pose_t *pose_at(const pel_pose_ring_t *ring, int age)
     return &ring->pose[(ring->head + PEL_POSE_RING - 1 - age) % PEL_POSE_RING];
 }
 
-/* The rate at a node is the mean over the interval before and the one after: single gyro increments carry their quantization,
- * which is 0.15 deg/s on a 500 Hz tactical gyro. So a node is complete when the next one is stored. */
-static void complete_rate(pel_pose_ring_t *ring, pel_pose_t *node, pel_time_t next_ns)
-{
-    const double span_s = pel_time_diff_s(next_ns, ring->previous_ns);
-    for (int k = 0; k < 3; k++) {
-        node->omega_ib_b[k] = (float)((ring->alpha_before[k] + ring->alpha_after[k]) / span_s);
-        ring->alpha_before[k] = ring->alpha_after[k];
-        ring->alpha_after[k] = 0.0;
-    }
-    ring->previous_ns = node->t_ns;
-}
-
 void pel_nav_keep_pose(pel_navigator_t *nav, const double alpha[3])
 {
     pel_pose_ring_t *ring = &nav->poses;
     const pel_strapdown_t *s = &nav->now;
-    for (int k = 0; k < 3; k++) { ring->alpha_after[k] += alpha[k]; }
-    pel_pose_t *last = &ring->pose[(ring->head + PEL_POSE_RING - 1) % PEL_POSE_RING];
-    if (ring->n > 0 && s->t_ns < last->t_ns + POSE_EVERY_NS) { return; }
-    if (ring->n > 0) { complete_rate(ring, last, s->t_ns); }
-    else {
-        ring->previous_ns = s->t_ns;
-        for (int k = 0; k < 3; k++) { ring->alpha_before[k] = ring->alpha_after[k] = 0.0; }
-    }
+    for (int k = 0; k < 3; k++) { ring->alpha[k] += alpha[k]; }
+    if (ring->n > 0 && s->t_ns < pose_at(ring, 0)->t_ns + POSE_EVERY_NS) { return; }
     pel_pose_t *p = &ring->pose[ring->head];
     p->t_ns = s->t_ns;
     pel_dcm_to_rotvec(s->C_b_e, p->theta_b_e);
     for (int k = 0; k < 3; k++) {
         p->r_eb_e[k] = s->r_eb_e[k];
         p->v_eb_e[k] = (float)s->v_eb_e[k];
-        p->omega_ib_b[k] = 0.0f;
+        p->alpha_ib_b[k] = (float)ring->alpha[k];
+        ring->alpha[k] = 0.0;
     }
     ring->head = (uint16_t)((ring->head + 1) % PEL_POSE_RING);
     if (ring->n < PEL_POSE_RING) { ring->n++; }
@@ -67,17 +49,27 @@ static void rotvec_rate(const double phi[3], const double omega[3], double rate[
     for (int k = 0; k < 3; k++) { rate[k] = omega[k] + 0.5 * c1[k] + c2[k] / 12.0; }
 }
 
-/* Rate of b with respect to e. */
-static void body_rate(const pel_pose_t *p, const double C_b_e[3][3], double omega_eb_b[3])
+/* Rate of b with respect to e at the node of an age, from the turns of the two intervals on each side: the fourth-order
+ * difference of the angle. One gyro increment's own rate would carry its quantization, 0.15 deg/s at 500 Hz. */
+static void body_rate(const pel_pose_ring_t *ring, int age, const double C_b_e[3][3], double omega_eb_b[3])
 {
+    const pel_pose_t *later = pose_at(ring, age - 2), *after = pose_at(ring, age - 1), *node = pose_at(ring, age);
+    const pel_pose_t *before = pose_at(ring, age + 1);
+    const double inner_s = pel_time_diff_s(after->t_ns, before->t_ns);
     const double omega_ie_e[3] = {0.0, 0.0, PEL_OMEGA_IE};
     double omega_ie_b[3];
     pel_mat3_tvec(C_b_e, omega_ie_e, omega_ie_b);
-    for (int k = 0; k < 3; k++) { omega_eb_b[k] = (double)p->omega_ib_b[k] - omega_ie_b[k]; }
+    for (int k = 0; k < 3; k++) {
+        const double inner = (double)node->alpha_ib_b[k] + (double)after->alpha_ib_b[k];
+        const double outer = (double)before->alpha_ib_b[k] + (double)later->alpha_ib_b[k];
+        omega_eb_b[k] = (7.0 * inner - outer) / (6.0 * inner_s) - omega_ie_b[k];
+    }
 }
 
-static void interpolate(const pel_pose_t *a, const pel_pose_t *b, pel_time_t t_ns, double r_e[3], double C_b_e[3][3])
+/* Between the node of an age and the next younger one. */
+static void interpolate(const pel_pose_ring_t *ring, int age, pel_time_t t_ns, double r_e[3], double C_b_e[3][3])
 {
+    const pel_pose_t *a = pose_at(ring, age), *b = pose_at(ring, age - 1);
     const double h = pel_time_diff_s(b->t_ns, a->t_ns);
     const double u = pel_time_diff_s(t_ns, a->t_ns) / h;
     double Ca[3][3], Cb[3][3], Crel[3][3], phi1[3], w0[3], w1[3], rate1[3], phi[3];
@@ -85,8 +77,8 @@ static void interpolate(const pel_pose_t *a, const pel_pose_t *b, pel_time_t t_n
     pel_rotvec_to_dcm(b->theta_b_e, Cb);
     pel_mat3_tmul(Ca, Cb, Crel);
     pel_dcm_to_rotvec(Crel, phi1);
-    body_rate(a, Ca, w0);
-    body_rate(b, Cb, w1);
+    body_rate(ring, age, Ca, w0);
+    body_rate(ring, age - 1, Cb, w1);
     rotvec_rate(phi1, w1, rate1);
     for (int k = 0; k < 3; k++) {
         phi[k] = hermite(phi1[k], w0[k] * h, rate1[k] * h, u);
@@ -105,11 +97,11 @@ static void photogrammetric_angles(const double C_c_m[3][3], pel_event_t *out)
     out->kappa_rad = (float)pel_atan2(-C_c_m[0][1], C_c_m[0][0]);
 }
 
-static void fill_event(pel_navigator_t *nav, const pel_pose_t *a, const pel_pose_t *b)
+static void fill_event(pel_navigator_t *nav, int age)
 {
     pel_event_t *out = &nav->event;
     double C_b_e[3][3], C_e_m[3][3], C_c_e[3][3], C_c_m[3][3], lever_e[3];
-    interpolate(a, b, nav->event_t_ns, out->r_ec_e, C_b_e);
+    interpolate(&nav->poses, age, nav->event_t_ns, out->r_ec_e, C_b_e);
     pel_mat3_vec(C_b_e, nav->cfg.lever_bc_b, lever_e);
     for (int k = 0; k < 3; k++) { out->r_ec_e[k] += lever_e[k]; }
     pel_earth_ecef_to_llh(out->r_ec_e, &out->lat_rad, &out->lon_rad, &out->height_m);
@@ -130,12 +122,11 @@ static void fill_event(pel_navigator_t *nav, const pel_pose_t *a, const pel_pose
 void pel_nav_serve_event(pel_navigator_t *nav)
 {
     const pel_pose_ring_t *ring = &nav->poses;
-    if (!nav->event_waiting || ring->n < 3 || pose_at(ring, 1)->t_ns < nav->event_t_ns) { return; }
+    if (!nav->event_waiting || ring->n < 5 || pose_at(ring, 2)->t_ns < nav->event_t_ns) { return; }
     nav->event_waiting = false;
-    for (int age = 2; age < ring->n; age++) {
-        const pel_pose_t *a = pose_at(ring, age);
-        if (a->t_ns > nav->event_t_ns) { continue; }
-        fill_event(nav, a, pose_at(ring, age - 1));
+    for (int age = 3; age < ring->n - 1; age++) {
+        if (pose_at(ring, age)->t_ns > nav->event_t_ns) { continue; }
+        fill_event(nav, age);
         nav->counters.events++;
         nav->ready |= PEL_NAV_BIT(PEL_NAV_EVENT);
         return;

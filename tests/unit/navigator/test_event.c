@@ -64,9 +64,9 @@ static void hermite_at_100_hz_is_within_its_published_error(void)
     int n = 0;
     fly_to(0.0, 1.0);
     for (int i = 0; i < 400; i++) {
-        const double t = 1.0 + 0.0371 * i;
+        const double t = 1.0 + 0.038 * i;
         pel_navigator_push_event(&nav, T0 + (int64_t)llround((t - 0.0213) * 1e9), (uint32_t)i);
-        fly_to(t, t + 0.0371);
+        fly_to(t, t + 0.038);
         if (pel_navigator_poll(&nav) != PEL_NAV_EVENT) { continue; }
         pel_strapdown_t truth;
         pose(t - 0.0213, &truth);
