@@ -15,7 +15,13 @@ sys.path.insert(0, str(ROOT / "tools"))
 from pelorus_tools import earth, eventlog, frames, gpstime, truth  # noqa: E402
 
 T0 = gpstime.from_calendar(2026, 6, 1, 21, 30, 0.0)
-SETUP = 'scenario = "made-up flight"\nseed = 7\ncommand = "pelorus-sim made_up.toml -o made_up.log --seed 7"\n'
+SETUP = """[scenario]
+name = "made-up flight"
+seed = 7
+command = "pelorus-sim made_up.toml --seed 7 -o CAPTURE"
+[navigator.mount]
+lever_arm_m = [0.6, 1.0, 2.764]
+"""
 
 
 class Flight:

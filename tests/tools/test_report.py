@@ -86,7 +86,7 @@ def test_the_page_is_one_offline_file_with_all_its_parts(flight, folder, capsys)
         assert part in page.ids, part
     assert all(link[1:] in page.ids for link in page.links)
     words = " ".join(" ".join(page.words).split())
-    for said in ("201 of 201 epochs fixed, no wrong integer", "pelorus-sim made_up.toml -o made_up.log --seed 7", "pelorus-sil made_up.log", "slip lock", "no data", "seed: 7"):
+    for said in ("201 of 201 epochs fixed, no wrong integer", "pelorus-sim made_up.toml --seed 7 -o CAPTURE", "pelorus-sil made_up.log", "slip lock", "no data", "seed: 7"):
         assert said in words, said
     assert len(text) < 6_000_000
 
@@ -194,6 +194,25 @@ def test_truth_between_its_times_is_hermite_in_position_and_attitude():
     assert np.abs(earth.rotvec(at.C_b_e @ np.swapaxes(C, 1, 2))).max() * stats.ARCSEC < 0.02
     outside, covered = reference.at(ns(np.array([-1.0, 21.0])))
     assert not covered.any()
+
+
+def test_without_imu_truth_is_the_antenna(folder, capsys):
+    f = synth.Flight(60, clean=True)
+    lever = np.array([0.6, 1.0, 2.764])
+    C_b_e = np.swapaxes(f.C_e_n, 1, 2) @ f.C_b_n
+    f.sol["r_eb_e"] += C_b_e @ lever
+    f.sol["lat_rad"], f.sol["lon_rad"], f.sol["height_m"] = earth.ecef_to_llh(f.sol["r_eb_e"])
+    assert figures(run(capsys, f.write(folder / "lever.out"), "--csv-stats", "-q")[1])["pos_h_max_m"] > 0.5
+    f.sol["flags"] &= 0xFFFF ^ 1
+    assert figures(run(capsys, f.write(folder / "lever.out"), "--csv-stats", "-q")[1])["pos_h_max_m"] < 1e-6
+
+
+def test_velocity_of_a_pos_file_is_read(tmp_path):
+    line = "2024/06/24 08:20:00.000   35.0  137.0   104.8619   1  42   0.0024   0.0024   0.0069   0.0008  -0.0013  -0.0024   0.00   12.0    1.5   -0.25   0.125   0.058 0.057 0.156 0.01 -0.03 -0.05"
+    (tmp_path / "v.pos").write_text("%  GPST   latitude(deg)\n" + line + "\n" + line.replace("08:20:00", "08:20:01") + "\n")
+    t = truth.load(str(tmp_path / "v.pos"))
+    ned = earth.rotate(earth.C_e_n(np.radians(35.0), np.radians(137.0)), t.v_e[0])
+    assert ned == pytest.approx([1.5, -0.25, -0.125], abs=1e-12) and t.quality.tolist() == [1, 1]
 
 
 def test_a_hole_in_the_truth_is_not_bridged():

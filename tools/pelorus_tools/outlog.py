@@ -1,6 +1,7 @@
 """One run of the firmware as its output log tells it: solutions in order of time, and everything said beside them."""
 
 import json
+import tomllib
 from collections import Counter
 
 import numpy as np
@@ -20,7 +21,7 @@ class Run:
         self.frames = frames.Frames()
         self.sol = self.frames.solution
         self.truth_events = []      # payloads of the TRUTH channel
-        self.setup = ""             # TOML text of the capture
+        self.setup_text = ""        # TOML text of the capture: [navigator] and [scenario]
         self.run = {}               # what pelorus-sil said of itself
         self.refused = Counter()    # by cause
 
@@ -32,6 +33,26 @@ class Run:
     @property
     def counters(self):
         return self.frames.counters[-1] if self.frames.counters.size else None
+
+    @property
+    def setup(self):
+        """The stored configuration as a dictionary, empty if there is none or it is no TOML."""
+        try:
+            return tomllib.loads(self.setup_text)
+        except tomllib.TOMLDecodeError:
+            return {}
+
+    @property
+    def scenario(self):
+        """What the simulator said of itself: name, seed, command."""
+        table = self.setup.get("scenario", {})
+        return table if isinstance(table, dict) else {"name": table}
+
+    @property
+    def lever_ba_b(self):
+        """IMU to antenna in body axes, m: zero if it is not stored."""
+        lever = self.setup.get("navigator", {}).get("mount", {}).get("lever_arm_m", [0.0, 0.0, 0.0])
+        return np.array(lever, float)
 
 
 def load(path, progress=None, want_truth=True):
@@ -50,7 +71,7 @@ def load(path, progress=None, want_truth=True):
             elif channel == b"TRUTH" and want_truth:
                 run.truth_events.append(bytes(payload))
             elif channel == b"SETUP":
-                run.setup = bytes(payload).decode("utf-8", "replace").rstrip("\0")
+                run.setup_text = bytes(payload).decode("utf-8", "replace").rstrip("\0")
             elif channel == b"RUN":
                 run.run.update(_json(payload, run.refused))
         out = b"".join(out)

@@ -1,10 +1,7 @@
 """pelorus-report: one run of the firmware as one offline HTML page, its figures as CSV, its limits as exit code."""
 
 import argparse
-import html
-import json
 import sys
-import tomllib
 from pathlib import Path
 
 import jinja2
@@ -112,21 +109,10 @@ def counter_groups(run):
 
 
 def how_to_repeat(run):
-    """Command lines that lead to this output, as far as the logs tell, and the scenario with its seed."""
-    lines, facts = [], []
-    setup = {}
-    try:
-        setup = tomllib.loads(run.setup) if run.setup else {}
-    except tomllib.TOMLDecodeError:
-        facts.append(("setup", "not readable as TOML"))
-    for source in (setup, run.run):
-        for key in ("command", "sim_command", "capture_command"):
-            if isinstance(source.get(key), str) and source[key] not in lines:
-                lines.append(source[key])
-    for key in ("scenario", "seed", "capture", "config", "version", "versions"):
-        value = setup.get(key, run.run.get(key))
-        if value not in (None, "", {}):
-            facts.append((key, value if isinstance(value, str | int | float) else json.dumps(value)))
+    """Command lines that lead to this output, and what else the logs tell of themselves."""
+    lines = [source["command"] for source in (run.scenario, run.run) if isinstance(source.get("command"), str)]
+    facts = [(key, value) for source in (run.scenario, run.run) for key, value in source.items()
+             if key not in ("command", "program") and isinstance(value, str | int | float)]
     return lines, facts
 
 
@@ -156,7 +142,7 @@ def render(run, s, errors, limits, picture, title):
         title=title, version=__version__, level=level, headline=headline, says=says, run=run, s=s, limits=limits,
         begin=text(run.sol["t_ns"][0]), end=text(run.sol["t_ns"][-1]), used=outlog.summary(run), rows=statistics_rows(s),
         truth=errors.source if errors is not None else None, offset=errors.mean_offset if errors is not None else None,
-        groups=counter_groups(run), lines=lines, facts=facts, setup=run.setup, events=event_rows(run), n_events=run.frames.event.size,
+        groups=counter_groups(run), lines=lines, facts=facts, setup=run.setup_text, events=event_rows(run), n_events=run.frames.event.size,
         fig={name: jinja2.utils.markupsafe.Markup(plots.svg(f)) for name, f in figures.items()})
 
 
@@ -206,7 +192,7 @@ def body(argv):
     progress.done()
     errors = None
     if reference is not None:
-        errors = stats.Errors(run.sol, reference, args.remove_mean)
+        errors = stats.Errors(run.sol, reference, args.remove_mean, run.lever_ba_b)
         errors.source = "TRUTH in this log" if not args.truth else Path(args.truth).name
         if not errors.have.any():
             print("pelorus-report: truth and solutions have no time in common", file=sys.stderr)
@@ -259,12 +245,7 @@ def every_name():
 
 
 def run_title(run):
-    try:
-        setup = tomllib.loads(run.setup) if run.setup else {}
-    except tomllib.TOMLDecodeError:
-        setup = {}
-    name = setup.get("scenario") or run.run.get("scenario") or run.run.get("capture") or run.name
-    return html.unescape(str(name))
+    return str(run.scenario.get("name") or Path(run.name).name)
 
 
 def main(argv=None):

@@ -17,11 +17,17 @@ class Errors:
     """Solution minus truth in local NED with the sigma the solution claims: err[group] and sd[group], both (n, 3).
 
     Attitude errors are the small rotation about north, east and down that takes the true attitude to the computed one,
-    so they do not depend on how angles are counted. NaN where there is nothing to compare.
+    so they do not depend on how angles are counted. NaN where there is nothing to compare. Without IMU a solution is the
+    antenna's, so truth of the simulator is moved there by the lever arm (body axes, m).
     """
 
-    def __init__(self, sol, truth, remove_mean=False):
+    def __init__(self, sol, truth, remove_mean=False, lever_ba_b=(0.0, 0.0, 0.0)):
         at, covered = truth.at(sol["t_ns"])
+        if at.C_b_e is not None and at.omega_e is not None and np.any(lever_ba_b):
+            antenna = ((sol["flags"] & frames.SOL_INS) == 0)[:, None]
+            arm = at.C_b_e @ np.asarray(lever_ba_b, float)
+            at.r_e = at.r_e + antenna * arm
+            at.v_e = at.v_e + antenna * np.cross(at.omega_e, arm)
         lat, lon = sol["lat_rad"], sol["lon_rad"]
         to_n = earth.C_e_n(lat, lon)
         have = covered & (sol["fix"] != 0)

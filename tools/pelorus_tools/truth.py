@@ -68,7 +68,7 @@ class Truth:
         blend = lambda b: None if b is None else b[k] + (b[j] - b[k]) * np.clip(sc, 0, 1)
         out = Truth.__new__(Truth)
         out.source, out.t_ns, out.r_e, out.v_e, out.C_b_e = self.source, t_ns, r, v, C
-        out.b_g, out.b_a = blend(self.b_g), blend(self.b_a)
+        out.omega_e, out.b_g, out.b_a = blend(self.omega_e), blend(self.b_g), blend(self.b_a)
         out.attitude_good = exact if self.omega_e is None else covered
         return out, covered
 
