@@ -33,8 +33,8 @@ bool calendar_to_gps(int year, int month, int day, int hour, int minute, int64_t
     if (hour < 0 || hour > 24 || minute < 0 || minute > 60 || ns < 0 || ns > 61 * PEL_NS_PER_S) { return false; }
     pel_time_t x = days_since_gps(year, month, day) * NS_PER_DAY;
     x += (int64_t)(hour * 3600 + minute * 60) * PEL_NS_PER_S + ns;
-    if (sys == TIME_BDT) { x += 14 * PEL_NS_PER_S; }
-    if (sys == TIME_UTC) { x += pel_time_leap_s(x + (int64_t)pel_time_leap_s(x) * PEL_NS_PER_S) * PEL_NS_PER_S; }
+    if (sys == CLOCK_BDT) { x += 14 * PEL_NS_PER_S; }
+    if (sys == CLOCK_UTC) { x += pel_time_leap_s(x + (int64_t)pel_time_leap_s(x) * PEL_NS_PER_S) * PEL_NS_PER_S; }
     *t = x;
     return true;
 }
@@ -43,7 +43,7 @@ bool calendar_parse_date(const char *text, pel_time_t *t)
 {
     int y = 0, m = 0, d = 0, used = 0;
     if (sscanf(text, "%4d-%2d-%2d%n", &y, &m, &d, &used) != 3 || text[used] != '\0') { return false; }
-    return calendar_to_gps(y, m, d, 12, 0, 0, TIME_GPS, t);
+    return calendar_to_gps(y, m, d, 12, 0, 0, CLOCK_GPS, t);
 }
 
 void calendar_print(pel_time_t t, char out[64])

@@ -7,7 +7,7 @@
 
 #include "pelorus/base.h"
 
-typedef enum { TIME_GPS, TIME_UTC, TIME_BDT } time_system_t; /* Galileo and QZSS time are GPS time to a few ns */
+typedef enum { CLOCK_GPS, CLOCK_UTC, CLOCK_BDT } time_system_t; /* Galileo and QZSS time are GPS time to a few ns */
 
 /* Date and time of day -> GPS time; ns counts from the minute. False if there is no such time (1980..2199). */
 bool calendar_to_gps(int year, int month, int day, int hour, int minute, int64_t ns, time_system_t sys, pel_time_t *t);

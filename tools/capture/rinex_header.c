@@ -180,9 +180,9 @@ bool rinex_header_record(rinex_header_t *h, line_t l, tally_t *tally)
         }
     } else if (line_label(l, "TIME OF FIRST OBS")) {
         const char a = line_char(l, 48), b = line_char(l, 49);
-        if (a == 'G' && b == 'P') { h->time_system = TIME_GPS; }
-        if (a == 'G' && b == 'L') { h->time_system = TIME_UTC; }
-        if (a == 'B' && b == 'D') { h->time_system = TIME_BDT; }
+        if (a == 'G' && b == 'P') { h->time_system = CLOCK_GPS; }
+        if (a == 'G' && b == 'L') { h->time_system = CLOCK_UTC; }
+        if (a == 'B' && b == 'D') { h->time_system = CLOCK_BDT; }
     } else if (line_label(l, "SIGNAL STRENGTH UNIT")) {
         h->strength_dbhz = (line_char(l, 0) == 'D');
     } else if (line_label(l, "SYS / PHASE SHIFT") || line_label(l, "SYS / PHASE SHIFTS")) {
@@ -205,7 +205,7 @@ static void read_version(rinex_header_t *h, line_t l)
         h->version_100 = (int)lround(version * 100.0);
         h->is_obs = (line_char(l, 20) == 'O');
         h->file_sys = (line_char(l, 40) == ' ') ? 'G' : line_char(l, 40);
-        h->time_system = (h->file_sys == 'R') ? TIME_UTC : (h->file_sys == 'C') ? TIME_BDT : TIME_GPS;
+        h->time_system = (h->file_sys == 'R') ? CLOCK_UTC : (h->file_sys == 'C') ? CLOCK_BDT : CLOCK_GPS;
         h->strength_dbhz =
             true; /* dB-Hz in practice also where RINEX 2 leaves it open; out of range is ignored later */
     }

@@ -198,7 +198,7 @@ static bool decode(record_t *rec, uint8_t sys, uint8_t prn, nav_record_t *out)
 {
     pel_ephemeris_t *eph = &out->eph;
     const pel_time_t system_s = (sys == PEL_SYS_BDS) ? 14 * PEL_NS_PER_S : 0;
-    const time_system_t ts = (sys == PEL_SYS_BDS) ? TIME_BDT : TIME_GPS;
+    const time_system_t ts = (sys == PEL_SYS_BDS) ? CLOCK_BDT : CLOCK_GPS;
     memset(out, 0, sizeof *out);
     eph->sys = sys;
     eph->prn = prn;

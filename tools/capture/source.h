@@ -1,0 +1,57 @@
+/* source.h - one recorded file to one serial line. */
+#ifndef PELORUS_TOOLS_CAPTURE_SOURCE_H
+#define PELORUS_TOOLS_CAPTURE_SOURCE_H
+
+#include "imu_csv.h"
+#include "input.h"
+#include "rinex_nav.h"
+#include "tagfile.h"
+#include "tally.h"
+#include "timeline.h"
+
+typedef enum {
+    FORMAT_UBX,
+    FORMAT_RTCM3,
+    FORMAT_NOVATEL,
+    FORMAT_RINEX,
+    FORMAT_IMU_CSV,
+    FORMAT_PELORUS,
+    N_FORMATS
+} format_t;
+
+extern const char *const FORMAT_NAMES[N_FORMATS];
+
+typedef struct {
+    const char *path; /* NULL: not given */
+    format_t format;
+    input_t in;
+    tagfile_t tags;
+    bool tagged;
+    pel_time_t latency;
+    tally_t tally;
+    timeline_t line;
+    /* filled by source_read */
+    pel_time_t first_ns, last_ns; /* epochs or samples */
+    uint64_t n;
+    pel_time_t tag_late_ns;
+    bool has_station; /* RINEX header */
+    double r_ea_e[3];
+} source_t;
+
+/* Does it need an approximate date before it can be read? */
+bool source_needs_date(const source_t *s, const imu_csv_options_t *csv);
+
+/* Load the file and the time tags beside it. 0, or -1 with errno. */
+int source_load(source_t *s);
+
+/* Fill the line. approx: GPS time within 3 days, 0 if not known; glo_k: GLONASS channels; csv: options of text IMU. False: *why. */
+bool source_read(source_t *s, pel_time_t approx, const int8_t glo_k[33], const imu_csv_options_t *csv,
+                 const char **why);
+
+/* Ephemerides and ionosphere as frames, from just before `start` on; and a station every 30 s. */
+bool source_add_nav(timeline_t *line, nav_set_t *nav, pel_time_t start, pel_time_t end, tally_t *tally);
+bool source_add_station(timeline_t *line, const double r_ea_e[3], pel_time_t start, pel_time_t end);
+
+void source_free(source_t *s);
+
+#endif
