@@ -1,0 +1,150 @@
+"""make replay: recordings of real receivers through the firmware, one table, RTKLIB on the same epochs beside it."""
+
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from pelorus_tools import cli
+from replay import recordings, rtklib, tracks
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+class Failed(Exception):
+    """One of our programs failed on a recording; str() says which and how."""
+
+
+def data_folder(given):
+    for folder in (given, os.environ.get("PELORUS_DATA"), ROOT.parent / "shared" / "data"):
+        if folder and Path(folder).is_dir():
+            return Path(folder)
+    return None
+
+
+def call(command, allowed, verbose):
+    command = [str(c) for c in command]
+    if verbose:
+        print("> " + shlex.join(command), file=sys.stderr)
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if verbose and done.stderr:
+        print(done.stderr.rstrip(), file=sys.stderr)
+    if done.returncode not in allowed:
+        raise Failed(f"{command[0]} ended with {done.returncode}: {(done.stderr or done.stdout).strip().splitlines()[-1:] or ['no words']}")
+    return done
+
+
+def replay(entry, data, work, verbose=False):
+    """Run our programs on one recording; returns figures."""
+    work.mkdir(parents=True, exist_ok=True)
+    allowed = (0, 4) if entry.partly else (0,)
+    capture = [a.format(data=data) for a in entry.capture]
+    call(["pelorus-capture", "-o", work / "capture.log", *capture], allowed, verbose)
+    config = []
+    if entry.config:
+        (work / "config.toml").write_text(entry.config)
+        config = ["--config", work / "config.toml"]
+    start = time.monotonic()
+    call(["pelorus-sil", work / "capture.log", "-o", work / "run.out", *config, *entry.sil], (0, 4), verbose)
+    spent = time.monotonic() - start
+    # Where the recording is about a gap, what is said between epochs is the point.
+    figures = entry.known(tracks.ours(work / "run.out", at_epochs=not entry.sil), data)
+    figures["seconds"] = round(spent, 2)
+    return figures
+
+
+def numbers(values, digits, scale=1.0):
+    return " ".join(f"{v * scale:.{digits}f}" for v in values)
+
+
+def words(f):
+    """The figures of one side of a row."""
+    if f is None:
+        return ["", "", "", ""]
+    share = f"{f['fixed']} ({100 * f['fixed'] / f['epochs']:.1f} %)" if f.get("fixed") else ("0" if f["epochs"] else "")
+    wrong = f"{f['wrong']} ({100 * f['wrong'] / f['fixed']:.1f} %)" if f.get("fixed") and "wrong" in f else ""
+    parts = []
+    if "mean_enu_m" in f:
+        parts.append(f"mean {numbers(f['mean_off_mm'], 1)} mm off, std {numbers(f['std_enu_m'], 1, 1e3)} mm ENU")
+    if "up_m" in f:
+        parts.append("up {:.2f} to {:.2f} m".format(f["up_m"][0], f["up_m"][2]))
+    if "gap_h_max_m" in f:
+        parts.append(f"in the gap {f['gap_h_rms_m']:.2f} m rms, {f['gap_h_max_m']:.2f} m at most")
+    if "h_rms_m" in f:
+        parts.append(f"{f['h_rms_m']:.2f} m rms horizontal")
+    if "vh_rms_mps" in f:
+        parts.append(f"velocity {numbers(f['v_rms_mps'], 3)} m/s rms NED")
+    if "h_median_m" in f:
+        parts.append(f"{100 * f['h_median_m']:.1f} cm median to {f['compared']} fixes of the receiver")
+    if "step_max_m" in f:
+        parts.append(f"longest step {f['step_max_m']:.2f} m")
+    expected = f"/{f['expected']}" if f.get("expected") else ""
+    return [f"{f['epochs']}{expected}", share, wrong, "; ".join(parts)]
+
+
+HEAD = ["recording", "who", "epochs", "fixed", "wrong fixes", "figures"]
+
+
+def table(results):
+    rows = [HEAD]
+    for r in results:
+        rows.append([r["name"], "Pelorus", *(words(r["ours"]) if r["ours"] else ["", "", "", r["failed"]])])
+        if r["peer"]:
+            rows.append(["  " + r["mode"], "RTKLIB", *words(r["peer"])])
+        else:
+            rows.append(["  " + r["mode"], "", "", "", "", ""])
+    width = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
+    lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, width)).rstrip() for row in rows]
+    return "\n".join([lines[0], "-" * len(lines[0]), *lines[1:]])
+
+
+def body(argv):
+    p = cli.Parser(prog="replay", description=__doc__)
+    p.add_argument("names", nargs="*", metavar="RECORDING", help="rows whose name contains one of these words (default: all)")
+    p.add_argument("--data", metavar="DIR", help="folder of the recordings (default: $PELORUS_DATA, ../shared/data)")
+    p.add_argument("--keep", metavar="DIR", help="keep captures and outputs here")
+    p.add_argument("--json", metavar="FILE", help="write all figures here")
+    p.add_argument("--no-peer", action="store_true", help="do not run RTKLIB")
+    args = p.parse_args(argv)
+    data = data_folder(args.data)
+    if data is None:
+        if os.environ.get("PELORUS_REQUIRE_DATA") == "1":
+            raise cli.UnreadableError("no recordings: give --data DIR or set PELORUS_DATA")
+        print("no recordings here (give --data DIR or set PELORUS_DATA): nothing replayed")
+        return cli.DONE
+    chosen = [e for e in recordings.ALL if not args.names or any(n in e.name for n in args.names)]
+    if not chosen:
+        known = [e.name for e in recordings.ALL]
+        raise cli.UsageError(f"no recording named '{args.names[0]}'{cli.nearest(args.names[0], known)}")
+    peer = rtklib.available() and not args.no_peer
+    if not rtklib.available():
+        print("RTKLIB is not installed (Debian package rtklib): its rows stay empty", file=sys.stderr)
+    results = []
+    with tempfile.TemporaryDirectory() as scratch:
+        keep = Path(args.keep or scratch)
+        for e in chosen:
+            if not (data / e.folder).is_dir():
+                results.append({"name": e.name, "mode": e.mode, "ours": None, "peer": None, "failed": "recording absent"})
+                continue
+            work = keep / e.name.replace(" ", "-").replace(",", "")
+            r = {"name": e.name, "mode": e.mode, "ours": None, "peer": None, "failed": ""}
+            try:
+                r["ours"] = replay(e, data / e.folder, work, args.verbose)
+            except Failed as why:
+                r["failed"] = str(why)
+            if peer and e.peer:
+                work.mkdir(parents=True, exist_ok=True)
+                r["peer"] = e.known(e.peer(data / e.folder, work), data / e.folder)
+            results.append(r)
+    print(table(results))
+    if args.json:
+        Path(args.json).write_text(json.dumps(results, indent=1))
+    return cli.MISSED if any(r["failed"] for r in results) else cli.DONE
+
+
+if __name__ == "__main__":
+    sys.exit(cli.run("replay", body, None))

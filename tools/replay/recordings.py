@@ -1,0 +1,236 @@
+"""One entry a recording: what goes in, how the firmware is set, what is known about the result, and RTKLIB's way.
+
+`known(track)` turns a track of either program into figures, so both are judged by the same yardstick. Paths in `capture`
+may hold {data}, the folder of the recording.
+"""
+
+from dataclasses import dataclass, field
+from typing import Callable
+
+import numpy as np
+
+from pelorus_tools import earth, gpstime, truth
+from replay import rtklib, tracks
+
+
+@dataclass
+class Recording:
+    name: str                      # of the row
+    folder: str                    # of the data
+    mode: str                      # words for the table
+    capture: list                  # arguments of pelorus-capture
+    known: Callable                # (track, data folder) -> figures
+    peer: Callable = None          # (data folder, work folder) -> track of RTKLIB
+    config: str = ""               # [navigator] table
+    sil: list = field(default_factory=list)
+    partly: bool = False           # the files hold bytes that are rightly refused: exit code 4 is no failure
+
+
+def radians_llh(lat, lon, h):
+    return earth.llh_to_ecef(np.radians(lat), np.radians(lon), np.asarray(h, float))
+
+
+# ---- geonet-0759-3040: static pair, clocks that drift apart ------------------------------------------------------------
+
+GEONET_BASE = (-3978242.4348, 3382841.1715, 3649902.7667)
+GEONET_ENU = np.array([-953.336, 3196.237, -6.400])
+
+
+def geonet_peer(data, work):
+    files = [data / n for n in ("07590920.05o", "30400920.05o", "07590920.05n", "30400920.05n")]
+    return rtklib.solve(work, 2, ["-m", 15, "-f", 2, "-sys", "G", "-r", *GEONET_BASE], *files)
+
+
+# ---- walk-imu-ubx-2025: handheld, one receiver and an IMU ------------------------------------------------------------------
+
+# The receiver's own RTK track: good to centimetres, its datum not absolute, so the mean offset is removed.
+WALK_IMU = """[navigator]
+preset = "ins-single"
+output_hz = 20
+[navigator.imu]
+model = "mems"
+[navigator.mount]
+lever_arm_m = [0.0, 0.0, 0.0]
+yaw_deg = 180.0
+"""
+WALK_GNSS = """[navigator]
+preset = "single"
+output_hz = 20
+"""
+WALK_CAPTURE = ["--rover", "{data}/gnss_1730.ubx.gz:ubx", "--imu", "{data}/imu_1730.csv.gz:imu-csv"]
+WALK_OUTAGE = (60.0, 20.0)         # s after the first GNSS bytes: walking, with turns
+
+
+def walk_truth(data):
+    return truth.load(str(data / "gnss_1730_sf.pos.gz"))
+
+
+def walk_known(track, data):
+    return tracks.against(track, walk_truth(data), 536, remove_mean=True)
+
+
+def walk_peer(data, work):
+    obs, nav = rtklib.convert(data / "gnss_1730.ubx.gz", work, "ubx")
+    return rtklib.solve(work, 0, ["-m", 10, "-f", 2, "-sys", "G,E"], obs, nav)
+
+
+def walk_gap(track, data):
+    """Horizontal error inside the removed 20 s, relative to the error just before it began."""
+    reference = walk_truth(data)
+    t = (track.t_ns - reference.t_ns[0]) * 1e-9
+    at, covered = reference.at(track.t_ns)
+    lat, lon, _ = earth.ecef_to_llh(at.r_e)
+    ned = earth.rotate(earth.C_e_n(lat, lon), track.r_e - at.r_e)
+    start, length = WALK_OUTAGE
+    before = covered & (t >= start - 5) & (t < start)
+    inside = covered & (t >= start) & (t < start + length)
+    f = {"epochs": int(track.t_ns.size), "expected": 0, "fixed": 0}
+    if before.any() and inside.any():
+        h = np.hypot(*(ned[inside] - ned[before].mean(0))[:, :2].T)
+        f["gap_solutions"], f["gap_h_rms_m"], f["gap_h_max_m"] = int(inside.sum()), float(tracks.rms(h)), float(h.max())
+        f["gap_h_10s_m"] = float(h[t[inside] < start + 10].max())
+    return f
+
+
+# ---- others ---------------------------------------------------------------------------------------------------------------
+
+ATTITUDE_1 = radians_llh(35.134707705, 136.977577939, 104.853)
+ATTITUDE_ENU = np.array([-0.2232, -0.9647, 0.0096])
+
+
+def attitude_peer(data, work):
+    files = [rtklib.plain(data / n, work) for n in ("ant2_rover.obs.gz", "ant1_base.obs.gz", "base.nav.gz")]
+    return rtklib.solve(work, 2, ["-m", 15, "-f", 2, "-sys", "G,E,J", "-i", "-r", *ATTITUDE_1], *files)
+
+
+FUJISAWA_BASE = (-3959400.631, 3385704.533, 3667523.111)
+
+
+def fujisawa_known(track, _):
+    """No truth: a fix whose height leaves the band of the README is counted as wrong."""
+    f = tracks.shares(track, 360)
+    up = tracks.enu(track.r_e, np.array(FUJISAWA_BASE))[track.fixed, 2]
+    if up.size:
+        f["wrong"] = int(np.sum((up < -1.5) | (up > -1.0)))
+        f["up_m"] = [float(up.min()), float(np.median(up)), float(up.max())]
+    return f
+
+
+def fujisawa_peer(data, work):
+    files = [rtklib.plain(data / n, work) for n in ("SEPT265G.21O.gz", "3034265G.21O.gz", "SEPT2650.21P.gz")]
+    return rtklib.solve(work, 2, ["-m", 15, "-f", 1, "-sys", "G,E", "-r", *FUJISAWA_BASE], *files)
+
+
+GALWAY_BASE = (3774696.5547, -596647.9083, 5089485.6511)
+
+
+def galway_truth(data):
+    """The rover's own real-time RTK fixes: its GGA of quality 4. Heights above the geoid, so horizontal only."""
+    import gzip
+    day = gpstime.from_calendar(2018, 10, 9, 0, 0, 18.0)
+    t, llh = [], []
+    for line in gzip.decompress((data / "rover-20181009-1221.ubx.gz").read_bytes()).split(b"$")[1:]:
+        w = line.split(b",")
+        if len(w) > 11 and w[0][2:] == b"GGA" and w[6] == b"4":
+            try:
+                hms = w[1].decode()
+                lat, lon = (int(x[:n]) + float(x[n:]) / 60 for x, n in ((w[2], 2), (w[4], 3)))
+                t.append(day + round((int(hms[:2]) * 3600 + int(hms[2:4]) * 60 + float(hms[4:])) * 1e9))
+                llh.append((lat if w[3] == b"N" else -lat, lon if w[5] == b"E" else -lon, float(w[9]) + float(w[11])))
+            except ValueError:
+                continue
+    return truth.Truth("GGA", np.array(t), radians_llh(*np.array(llh).T))
+
+
+def galway_known(track, data):
+    reference = galway_truth(data)
+    at, covered = reference.at(track.t_ns, max_gap_s=1.5)
+    f = tracks.shares(track, 2072)
+    fixed = covered & track.fixed
+    f["compared"] = int(fixed.sum())
+    if fixed.any():
+        d = tracks.enu(track.r_e, at.r_e[fixed][0])[fixed] - tracks.enu(at.r_e, at.r_e[fixed][0])[fixed]
+        h = np.hypot(d[:, 0], d[:, 1])
+        # GGA has five decimals of a minute, 2 cm, and both solve different epochs of the same second: 10 cm is agreement.
+        f["wrong"], f["h_median_m"] = int(np.sum(h > 0.10)), float(np.median(h))
+    return f
+
+
+def galway_peer(data, work):
+    rover, nav = rtklib.convert(data / "rover-20181009-1221.ubx.gz", work, "ubx")
+    base, _ = rtklib.convert(data / "base-20181009-1220.ubx.gz", work, "ubx")
+    return rtklib.solve(work, 2, ["-m", 15, "-f", 1, "-sys", "G", "-r", *GALWAY_BASE], rover, base, nav)
+
+
+def yamatogawa_known(track, _):
+    """No truth: smooth at metre level is what can be asked."""
+    f = tracks.shares(track, 203)
+    if track.t_ns.size > 2:
+        f["step_max_m"] = float(np.linalg.norm(np.diff(track.r_e, axis=0), axis=1).max())
+    return f
+
+
+YAMATOGAWA_BASE = (-3749943.5172, 3683398.2394, 3600629.5295)
+
+
+def yamatogawa_peer(data, work):
+    nav = rtklib.plain(data / "brdc0060.10n.gz", work)
+    return rtklib.solve(work, 2, ["-m", 15, "-f", 1, "-sys", "G", "-r", *YAMATOGAWA_BASE], data / "yamatogawa_rover.obs", data / "yamatogawa_master.obs", nav)
+
+
+def hongkong_known(track, data):
+    a = np.loadtxt(data / "groundTruth.csv", delimiter=",")
+    reference = truth.Truth("SPAN", (a[:, 0].astype(np.int64) * 604800 + a[:, 1].astype(np.int64)) * gpstime.NS, radians_llh(*a[:, 2:5].T))
+    f = tracks.against(track, reference, 1760, remove_mean=False)
+    return f
+
+
+def hongkong_peer(data, work):
+    return rtklib.solve(work, 0, ["-m", 15, "-sys", "G"], *(rtklib.plain(data / n, work) for n in ("rover.obs.gz", "hksc1180.19n.gz")))
+
+
+CANBERRA = radians_llh(-35.315523505, 149.010069087, 804.589)
+
+
+def canberra_peer(data, work):
+    obs, nav = rtklib.convert(data / "missing-beidou-STR17.rtcm3", work, "rtcm3", "-tr", "2020/01/01", "0:0:0")
+    return rtklib.solve(work, 0, ["-m", 10, "-sys", "G,E"], obs, nav)
+
+
+COLDSTART = radians_llh(47.251296, 5.993346, 363.0)
+
+
+def coldstart_peer(data, work):
+    obs, nav = rtklib.convert(data / "coldstart.ubx.gz", work, "ubx")
+    return rtklib.solve(work, 0, ["-m", 10, "-sys", "G,E"], obs, nav)
+
+
+ALL = [
+    Recording("geonet-0759-3040", "geonet-0759-3040", "RTK L1+L2, each epoch alone",
+              ["--rover", "{data}/07590920.05o:rinex", "--base", "{data}/30400920.05o:rinex", "--nav", "{data}/07590920.05n", "--nav", "{data}/30400920.05n"],
+              lambda t, d: tracks.baseline(t, GEONET_BASE, GEONET_ENU, 120), geonet_peer),
+    Recording("walk-imu-ubx-2025", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_known, walk_peer, WALK_IMU),
+    Recording("walk, without IMU", "walk-imu-ubx-2025", "single receiver", WALK_CAPTURE[:2], walk_known, walk_peer, WALK_GNSS),
+    Recording("walk, 20 s removed", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_gap, None, WALK_IMU,
+              ["--outage", "{:g},{:g}".format(*WALK_OUTAGE)]),
+    Recording("walk, 20 s removed, without IMU", "walk-imu-ubx-2025", "single receiver", WALK_CAPTURE[:2], walk_gap, None, WALK_GNSS,
+              ["--outage", "{:g},{:g}".format(*WALK_OUTAGE)]),
+    Recording("attitude-static-099m-2024", "attitude-static-099m-2024", "RTK, 0.99 m",
+              ["--rover", "{data}/ant2_rover.obs.gz:rinex", "--base", "{data}/ant1_base.obs.gz:rinex", "--nav", "{data}/base.nav.gz",
+               "--base-ecef", "{:.4f},{:.4f},{:.4f}".format(*ATTITUDE_1)],
+              lambda t, d: tracks.baseline(t, ATTITUDE_1, ATTITUDE_ENU, 301), attitude_peer),
+    Recording("fujisawa-car-2021265", "fujisawa-car-2021265", "RTK, car, 5 km",
+              ["--rover", "{data}/SEPT265G.21O.gz:rinex", "--base", "{data}/3034265G.21O.gz:rinex", "--nav", "{data}/SEPT2650.21P.gz",
+               "--base-ecef", "{},{},{}".format(*FUJISAWA_BASE)], fujisawa_known, fujisawa_peer),
+    Recording("galway-walk-20181009", "galway-walk-20181009", "RTK L1, urban walk",
+              ["--rover", "{data}/rover-20181009-1221.ubx.gz:ubx", "--base", "{data}/base-20181009-1220.ubx.gz:ubx"], galway_known, galway_peer, partly=True),
+    Recording("yamatogawa-kinematic-2010", "yamatogawa-kinematic-2010", "RTK L1, half cycles",
+              ["--rover", "{data}/yamatogawa_rover.obs:rinex", "--base", "{data}/yamatogawa_master.obs:rinex", "--nav", "{data}/brdc0060.10n.gz"],
+              yamatogawa_known, yamatogawa_peer),
+    Recording("hongkong-urban-2019", "hongkong-urban-2019", "single receiver, urban canyon",
+              ["--rover", "{data}/rover.obs.gz:rinex", "--nav", "{data}/hksc1180.19n.gz"], hongkong_known, hongkong_peer),
+    Recording("rtcm3 missing-beidou-STR17", "rtcm3-streams", "single receiver, static, RTCM 3",
+              ["--rover", "{data}/missing-beidou-STR17.rtcm3:rtcm3", "--date", "2020-01-01"], lambda t, d: tracks.point(t, CANBERRA, 502), canberra_peer, partly=True),
+    Recording("ubx-coldstart-2025", "ubx-coldstart-2025", "single receiver, cold start", ["--rover", "{data}/coldstart.ubx.gz:ubx"],
+              lambda t, d: tracks.point(t, COLDSTART, 562), coldstart_peer, partly=True),
+]
