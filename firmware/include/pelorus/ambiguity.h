@@ -81,7 +81,7 @@ _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at 
 pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget);
 
 /* Cap on exchanges of the decorrelation. */
-#define PEL_ILS_SWAPS(n) (24 * (n))
+#define PEL_ILS_SWAPS(n) (32 * (n))
 
 /* Search on, at most max_nodes nodes (>= 1): depth first, candidates of a level nearest first, bound = the worst of the best
  * n_best found. The answer does not depend on how the work is cut into slices.
@@ -208,7 +208,7 @@ typedef struct {
     /* private */
     int16_t list[PEL_BAND_DD][PEL_BAND_LIST]; /* N1 - N1 origin, ascending */
     int16_t list_n[PEL_BAND_DD];
-    int64_t origin1[PEL_BAND_DD], origin2[PEL_BAND_DD];
+    int32_t origin[PEL_BAND_DD];
 } pel_band_t;
 
 /* Integers of one epoch by enumeration of pairs inside the error band: S5 section 7, exactly.
