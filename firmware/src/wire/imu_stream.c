@@ -1,0 +1,92 @@
+#include "imu_stream.h"
+
+#include <string.h>
+
+void pel_imu_stream_init(pel_imu_stream_t *s)
+{
+    memset(s, 0, sizeof *s);
+}
+
+void pel_imu_stream_set_rawimu(pel_imu_stream_t *s, double gyro_scale_rad, double accel_scale_mps, double dt_s)
+{
+    s->gyro_scale_rad = gyro_scale_rad;
+    s->accel_scale_mps = accel_scale_mps;
+    s->raw_dt_s = dt_s;
+}
+
+static pel_probe_t probe(const uint8_t *p, size_t n, size_t *length)
+{
+    if (p[0] == 'P') { return pel_pelorus_probe(p, n, PEL_IMU_FRAME_MAX - PEL_OUT_OVERHEAD, length); }
+    if (p[0] == 0xAAu) { return pel_novatel_probe(p, n, length); }
+    return PEL_PROBE_NOISE;
+}
+
+/* Gives a decoded sample if it is newer than the last. A gap is told by the sequence number where there is one, else by
+ * the time; half an interval is more than any clock's jitter. */
+static pel_imu_event_t give(pel_imu_stream_t *s, const pel_imu_t *imu, bool has_seq)
+{
+    const pel_time_t tol = (pel_time_t)(imu->dt_s * 0.25e9);
+    if (pel_time_order(imu->t_ns, tol, s->t_given_ns, &s->t_back_ns, &s->n_back, &s->counters) != PEL_ORDER_NEW) {
+        return PEL_IMU_NONE;
+    }
+    const bool missed_seq = has_seq && s->have_seq && imu->seq != (uint16_t)(s->seq + 1u);
+    const bool missed_time =
+        !has_seq && s->t_given_ns != 0 && pel_time_diff_s(imu->t_ns, s->t_given_ns) > 1.5 * imu->dt_s;
+    if (missed_seq || missed_time) { s->counters.gap++; }
+    s->have_seq = has_seq;
+    s->seq = imu->seq;
+    s->t_given_ns = imu->t_ns;
+    s->imu = *imu;
+    return PEL_IMU_SAMPLE;
+}
+
+static pel_imu_event_t pelorus_frame(pel_imu_stream_t *s, const uint8_t *f, size_t n)
+{
+    const size_t n_payload = n - PEL_OUT_OVERHEAD;
+    if (f[2] != PEL_OUT_IMU && f[2] != PEL_OUT_EVENT_MARK) {
+        s->counters.unknown++;
+        return PEL_IMU_NONE;
+    }
+    if (f[3] != PEL_OUT_VERSION || n_payload != ((f[2] == PEL_OUT_IMU) ? PEL_IMU_PAYLOAD : PEL_MARK_PAYLOAD)) {
+        s->counters.bad_length++;
+        return PEL_IMU_NONE;
+    }
+    pel_imu_t imu;
+    const pel_time_t mark_t_ns = pel_le_s(f + 6, 8);
+    if ((f[2] == PEL_OUT_IMU) ? !pel_imu_decode(f + 6, &imu) : (mark_t_ns <= 0)) {
+        s->counters.bad_value++;
+        return PEL_IMU_NONE;
+    }
+    s->counters.frames++;
+    if (f[2] == PEL_OUT_IMU) { return give(s, &imu, true); }
+    s->mark_t_ns = mark_t_ns;
+    s->mark_id = (uint32_t)pel_le_u(f + 14, 4);
+    return PEL_IMU_EVENT_MARK;
+}
+
+static pel_imu_event_t novatel_frame(pel_imu_stream_t *s, const uint8_t *f, size_t n)
+{
+    pel_imu_t imu;
+    bool usable;
+    if (!pel_rawimusx_decode(s, f, n, &imu, &usable)) {
+        s->counters.unknown++;
+        return PEL_IMU_NONE;
+    }
+    if (!usable) {
+        s->counters.bad_value++;
+        return PEL_IMU_NONE;
+    }
+    s->counters.frames++;
+    return give(s, &imu, false);
+}
+
+pel_imu_event_t pel_imu_stream_push(pel_imu_stream_t *s, uint8_t byte)
+{
+    size_t length = 0;
+    pel_frame_append(s->buf, sizeof s->buf, &s->fill, &s->counters, byte);
+    if (!pel_frame_next(s->buf, &s->fill, &s->counters, probe, false, &length)) { return PEL_IMU_NONE; }
+    const pel_imu_event_t event =
+        (s->buf[0] == 'P') ? pelorus_frame(s, s->buf, length) : novatel_frame(s, s->buf, length);
+    pel_frame_drop(s->buf, &s->fill, length);
+    return event;
+}
