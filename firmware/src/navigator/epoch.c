@@ -13,12 +13,16 @@
 
 /* ---- when was the epoch ----------------------------------------------------------------------------------------------- */
 
+static double zenith_sd(double a, double b) { return pel_sqrt(a * a + b * b); }
+
 /* True receive time of the epoch. Single-point solution if there is one, else the receiver clock of the last one. */
 static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solved, pel_time_t *t_ns)
 {
     pel_spp_config_t cfg;
     pel_spp_default(&cfg);
     cfg.mask_rad = nav->cfg.mask_rad;
+    cfg.code_sd_m = zenith_sd(nav->cfg.noise_single.code_a_m, nav->cfg.noise_single.code_b_m);
+    cfg.doppler_sd_mps = zenith_sd(nav->cfg.noise_single.doppler_a_mps, nav->cfg.noise_single.doppler_b_mps);
     pel_spp_t spp;
     const pel_status_t status = pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, &nav->counters,
                                               &nav->view_rover, &spp);

@@ -47,7 +47,10 @@ static bool imu_has_passed(const pel_navigator_t *nav, pel_time_t t_ns)
 /* Is a base epoch for this time here, or no longer worth waiting for? */
 static bool base_is_settled(const pel_navigator_t *nav, pel_time_t t_ns)
 {
-    if (!preset_uses_base(nav->cfg.preset) || nav->n_base == 0 || !nav->have_station) { return true; }
+    if (!preset_uses_base(nav->cfg.preset)) { return true; }
+    const bool waited = stream_now(nav) >= t_ns + (int64_t)((double)nav->cfg.base_wait_s * 1e9);
+    /* Before anything was used a base may still be on its way; later, one that never came is not waited for. */
+    if (nav->n_base == 0 || !nav->have_station) { return waited || nav->counters.epochs_used > 0; }
     const pel_time_t newest = nav->base[nav->n_base - 1].t_ns;
     if (newest >= t_ns - BASE_MATCH_NS || newest < t_ns - BASE_ALIVE_NS) { return true; }
     if (nav->n_base == PEL_BASE_QUEUE) {
@@ -55,7 +58,7 @@ static bool base_is_settled(const pel_navigator_t *nav, pel_time_t t_ns)
         const pel_time_t next = newest + (newest - nav->base[nav->n_base - 2].t_ns);
         if (next > t_ns + BASE_MATCH_NS) { return true; }
     }
-    return stream_now(nav) >= t_ns + (int64_t)((double)nav->cfg.base_wait_s * 1e9);
+    return waited;
 }
 
 static const pel_epoch_t *choose_base(const pel_navigator_t *nav, pel_time_t t_ns)
