@@ -9,12 +9,18 @@ cmake/bootstrap.sh host check || exit 1
 
 sources() { git ls-files -co --exclude-standard -- "$@" | while read -r f; do [ ! -e "$f" ] || echo "$f"; done; }
 
-format() { sources '*.c' '*.h' '*.cpp' | xargs clang-format --dry-run -Werror; }
+format() {
+    local bad
+    bad=$(sources '*.c' '*.h' '*.cpp' | xargs -P "$jobs" -n 8 clang-format --dry-run -Werror 2>&1 | sed -n 's|^\([^: ]*:[0-9]*\):[0-9]*: error.*|\1|p' | sort -u -t: -k1,1)
+    [ -z "$bad" ] || { echo "$bad: first line to format; make format does it"; return 1; }
+}
 
 build_with() { # name, C compiler, C++ compiler
-    cmake -G Ninja -B "build/check-$1" -DCMAKE_C_COMPILER="$2" -DCMAKE_CXX_COMPILER="$3" -DPEL_WERROR_ALL=ON --log-level=WARNING &&
-        cmake --build "build/check-$1" -j "$jobs" -- -k 0 | grep -vE '^\[[0-9]+/[0-9]+\] (Building|Linking|Generating|Running|Re-run)' || true
-    [ "${PIPESTATUS[0]}" = 0 ] && cmake --build "build/check-$1" -j "$jobs" >/dev/null
+    local log=build/check-$1.log
+    cmake -G Ninja -B "build/check-$1" -DCMAKE_C_COMPILER="$2" -DCMAKE_CXX_COMPILER="$3" -DPEL_WERROR_ALL=ON --log-level=WARNING >/dev/null &&
+        cmake --build "build/check-$1" -j "$jobs" -- -k 0 >"$log" 2>&1 && return
+    grep -vE '^\[[0-9]+/[0-9]+\]|^(/usr)?/bin/|^: &&' "$log"
+    return 1
 }
 gcc() { build_with gcc cc c++; }
 clang() { build_with clang clang clang++; }

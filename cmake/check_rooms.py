@@ -8,7 +8,7 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROOMS = "base math earth wire gnss inertial model filter observe ambiguity attitude integrity tracking navigator".split()
 C_LIBRARY = {"stdint.h", "stddef.h", "stdbool.h", "string.h"}
-OF_BASE = {"base", "config", "solution"}  # headers that are the room base/
+OF_BASE = {"base", "bits", "config", "solution"}  # headers that are the room base/
 
 
 def allowed(room):

@@ -49,6 +49,10 @@
 #define PEL_RAWX_FRAME_BYTES (8 + 16 + 32 * PEL_MAX_OBS)
 #define PEL_MAX_FRAME_BYTES  ((PEL_RAWX_FRAME_BYTES > 1100) ? PEL_RAWX_FRAME_BYTES : 1100)
 
+#if defined(__cplusplus) && !defined(_Static_assert)
+#define _Static_assert static_assert /* what C++ calls it */
+#endif
+
 _Static_assert(PEL_MAX_OBS >= 8 && PEL_MAX_OBS <= 255, "PEL_MAX_OBS: 8 to 255");
 _Static_assert(PEL_MAX_SATS >= 8 && PEL_MAX_SATS <= 96, "PEL_MAX_SATS: 8 to 96");
 _Static_assert(PEL_MAX_EPH >= 8 && PEL_MAX_EPH <= 200, "PEL_MAX_EPH: 8 to 200");
