@@ -146,7 +146,8 @@ typedef struct {
  *  s       out  as pel_ils_init(), float_sq and float_dof included; contents undefined on failure (s->n = 0)
  *
  * PEL_E_RANGE: counts or values out of range. PEL_E_MISSING: no integers sought. PEL_E_GEOMETRY: no prior and fewer than 3 code
- * rows. Else as pel_ils_init(). With ionosphere at most PEL_AMB_IONO_SATS satellites (PEL_E_FULL beyond).
+ * rows. Else as pel_ils_init(). The ionosphere of up to PEL_AMB_IONO_SATS satellites is tied across their carriers and code; that of
+ * any further satellite counts as noise.
  * Cost n_code * k^2 with k = 3 (+ satellites, with ionosphere), n^2 * 3 (or 5), then pel_ils_init(). */
 pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best, int32_t budget);
 

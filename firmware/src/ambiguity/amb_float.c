@@ -63,23 +63,25 @@ static pel_status_t check(const pel_amb_problem_t *p)
     return PEL_OK;
 }
 
-static pel_status_t add_satellite(epoch_t *e, uint8_t sat)
+/* Satellites that find no room have their ionosphere taken as noise, which forgets only that carriers and code share it. */
+static void add_satellite(epoch_t *e, uint8_t sat)
 {
-    if (e->of_sat[sat] != NO_STATE) { return PEL_OK; }
-    if (e->k >= STATES_MAX) { return PEL_E_FULL; }
-    e->of_sat[sat] = (uint8_t)e->k++;
-    return PEL_OK;
+    if (e->of_sat[sat] == NO_STATE && e->k < STATES_MAX) { e->of_sat[sat] = (uint8_t)e->k++; }
+}
+
+static double iono_noise(const pel_amb_problem_t *p, const epoch_t *e, const pel_amb_group_t *g, uint8_t sat)
+{
+    return (e->of_sat[sat] == NO_STATE) ? g->mu * g->mu * p->var_iono : 0.0;
 }
 
 /* Prior x = 0 and P. */
-static pel_status_t start(const pel_amb_problem_t *p, epoch_t *e)
+static void start(const pel_amb_problem_t *p, epoch_t *e)
 {
     memset(e->of_sat, NO_STATE, sizeof e->of_sat);
     e->k = 3;
     for (int i = 0; p->var_iono > 0.0 && i < p->n_rows; i++) {
-        pel_status_t status = add_satellite(e, p->row[i].sat);
-        if (status == PEL_OK) { status = add_satellite(e, p->group[p->row[i].group].sat); }
-        if (status != PEL_OK) { return status; }
+        add_satellite(e, p->group[p->row[i].group].sat);
+        add_satellite(e, p->row[i].sat);
     }
     for (int i = 0; i < e->k; i++) {
         e->x[i] = 0.0;
@@ -91,7 +93,6 @@ static pel_status_t start(const pel_amb_problem_t *p, epoch_t *e)
         if (i >= 3) { row[i] = p->var_iono; }
         if (i < 3 && !p->have_prior) { row[i] = NO_PRIOR_SD_M * NO_PRIOR_SD_M; }
     }
-    return PEL_OK;
 }
 
 /* Partials of a row; the ionosphere delays code (sign +1) and advances phase (sign -1). */
@@ -99,12 +100,13 @@ static sparse_t partials(const pel_amb_problem_t *p, const epoch_t *e, const pel
 {
     const pel_amb_group_t *g = &p->group[row->group];
     sparse_t s = {3, {0, 1, 2, 0, 0}, {row->g[0], row->g[1], row->g[2], 0.0, 0.0}};
-    if (p->var_iono > 0.0) {
-        s.n = 5;
-        s.index[3] = e->of_sat[row->sat];
-        s.h[3] = sign * g->mu;
-        s.index[4] = e->of_sat[g->sat];
-        s.h[4] = -sign * g->mu;
+    if (e->of_sat[row->sat] != NO_STATE) {
+        s.index[s.n] = e->of_sat[row->sat];
+        s.h[s.n++] = sign * g->mu;
+    }
+    if (e->of_sat[g->sat] != NO_STATE) {
+        s.index[s.n] = e->of_sat[g->sat];
+        s.h[s.n++] = -sign * g->mu;
     }
     return s;
 }
@@ -157,7 +159,8 @@ static double use_codes(const pel_amb_problem_t *p, epoch_t *e, int *n_code)
         if (!row->code) { continue; }
         if (row->group != group) {
             group = row->group;
-            q = p->group[group].var_code;
+            const pel_amb_group_t *g = &p->group[group];
+            q = g->var_code + iono_noise(p, e, g, g->sat);
             sum_y = 0.0;
             memset(sum_h, 0, sizeof sum_h);
         }
@@ -166,11 +169,12 @@ static double use_codes(const pel_amb_problem_t *p, epoch_t *e, int *n_code)
         const sparse_t s = partials(p, e, row, 1.0);
         for (int j = 0; j < s.n; j++) { h[s.index[j]] += s.h[j]; }
         const double y = row->code_m - sum_y;
-        const double d = row->var_code + q;
+        const double r = row->var_code + iono_noise(p, e, &p->group[group], row->sat);
+        const double d = r + q;
         const double l = q / d;
         for (int j = 0; j < e->k; j++) { sum_h[j] += l * h[j]; }
         sum_y += l * y;
-        q *= row->var_code / d;
+        q *= r / d;
         sq += update(e, h, y, d);
         (*n_code)++;
     }
@@ -184,6 +188,7 @@ static void form_ambiguities(const pel_amb_problem_t *p, const epoch_t *e, pel_i
     for (int i = 0; i < p->n_rows; i++) {
         const pel_amb_row_t *ri = &p->row[i];
         if (!ri->integer) { continue; }
+        const pel_amb_group_t *g = &p->group[ri->group];
         const sparse_t hi = partials(p, e, ri, -1.0);
         double h[STATES_MAX] = {0};
         double Ph[STATES_MAX];
@@ -201,8 +206,8 @@ static void form_ambiguities(const pel_amb_problem_t *p, const epoch_t *e, pel_i
             const sparse_t hj = partials(p, e, rj, -1.0);
             double q = 0.0;
             for (int k = 0; k < hj.n; k++) { q += hj.h[k] * Ph[hj.index[k]]; }
-            if (ri->group == rj->group) { q += p->group[ri->group].var_phase; }
-            if (i == j) { q += ri->var_phase; }
+            if (ri->group == rj->group) { q += g->var_phase + iono_noise(p, e, g, g->sat); }
+            if (i == j) { q += ri->var_phase + iono_noise(p, e, g, ri->sat); }
             row[nj++] = q / (ri->lambda_m * rj->lambda_m);
         }
         ni++;
@@ -223,8 +228,7 @@ pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best,
     pel_status_t status = check(p);
     if (status != PEL_OK) { return status; }
     epoch_t e = {.P = s->scratch, .x = s->scratch + PEL_TRI(STATES_MAX)};
-    status = start(p, &e);
-    if (status != PEL_OK) { return status; }
+    start(p, &e);
     int n_code = 0;
     const double sq = use_codes(p, &e, &n_code);
     form_ambiguities(p, &e, s);
