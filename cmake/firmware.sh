@@ -13,3 +13,11 @@ build=build/$board
 cmake --preset "$preset" -B "$build" -DPEL_BOARD="$board" -DPEL_SIZES="${SIZES:-}" --log-level=WARNING
 cmake --build "$build" -j "${JOBS:-2}"
 python3 cmake/firmware_report.py "$build/hal/pelorus-$board.elf" "$build"
+
+# The navigator's RAM budget of the design is for 2 x 32 signals; the board has the sizes of config.h and board.cmake.
+small="PEL_MAX_OBS=32 PEL_MAX_SATS=16 PEL_MAX_EPH=16 PEL_MAX_AMB=24"
+# shellcheck disable=SC2086
+echo '#include "pelorus/navigator.h"
+      char size[sizeof(pel_navigator_t)];' |
+    arm-none-eabi-gcc -mthumb -mcpu=cortex-m4 -I firmware/include $(printf -- '-D%s ' $small) -x c -c -o "$build/size.o" -
+echo "navigator with $small: $((16#$(arm-none-eabi-nm -S "$build/size.o" | cut -d' ' -f2))) bytes of 49152"
