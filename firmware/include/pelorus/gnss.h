@@ -38,10 +38,11 @@ typedef struct {
 
 void pel_orbits_init(pel_orbits_t *o);
 
-/* Keep an ephemeris. One with the same satellite, source and toe replaces its predecessor; in a full store the oldest of
- * that satellite, else the oldest of all, makes room.
+/* Keep an ephemeris. One of the same satellite and toe replaces its predecessor; of Galileo's two messages I/NAV is kept
+ * where both are there. In a full store the oldest that a newer one of its satellite stands in for makes room, else the
+ * oldest: give PEL_MAX_EPH room for what the streams carry, twice if possible.
  * Returns PEL_OK; PEL_E_RANGE if a number is not finite or no orbit of a GPS, QZSS, Galileo or BeiDou satellite has such
- * a value (nothing is kept). Cost: one pass over the store. */
+ * a value (nothing is kept). Cost: one pass over the store, PEL_MAX_EPH passes when it is full. */
 pel_status_t pel_orbits_add(pel_orbits_t *o, const pel_ephemeris_t *eph);
 
 /* The ephemeris whose toe lies nearest to t, within its fit interval (fit_s; 0 means 2 h GPS and BeiDou, 4 h Galileo,
@@ -89,7 +90,7 @@ typedef struct {
     uint16_t iode;  /* with toe_gps_s: which ephemeris this is */
     uint32_t toe_gps_s;
     float az_rad, el_rad;
-    float sd_eph_m;             /* orbit and clock, 1 sigma as broadcast */
+    float sd_eph_m;             /* orbit and clock, 1 sigma: half of the broadcast URA */
     float tgd_m[2];             /* c * tgd_s[] */
     double r_s_e[3];            /* satellite at transmission, ECEF of that instant */
     double v_s_e[3];            /* its velocity, likewise */

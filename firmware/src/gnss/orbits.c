@@ -3,6 +3,8 @@
 #include "pelorus/gnss.h"
 #include "pelorus/math.h"
 
+#define BOTH_SOURCES_S 7200.0 /* Galileo's two messages this near one another describe the same orbit */
+
 /* Elements that no satellite of these systems has stop here, so that nothing downstream meets a NaN or a crash orbit. */
 static bool plausible(const pel_ephemeris_t *p)
 {
@@ -23,7 +25,7 @@ static bool plausible(const pel_ephemeris_t *p)
 
 static bool same_satellite(const pel_ephemeris_t *a, const pel_ephemeris_t *b)
 {
-    return a->sys == b->sys && a->prn == b->prn && a->source == b->source;
+    return a->sys == b->sys && a->prn == b->prn;
 }
 
 void pel_orbits_init(pel_orbits_t *o)
@@ -31,29 +33,48 @@ void pel_orbits_init(pel_orbits_t *o)
     memset(o, 0, sizeof *o);
 }
 
+static bool has_newer(const pel_orbits_t *o, int i)
+{
+    for (int k = 0; k < o->n; k++) {
+        if (same_satellite(&o->eph[k], &o->eph[i]) && o->eph[k].toe_ns > o->eph[i].toe_ns) { return true; }
+    }
+    return false;
+}
+
+/* Where an ephemeris may go in a full store: the oldest that a newer one of its satellite stands in for, else the oldest. */
+static int dispensable(const pel_orbits_t *o)
+{
+    int best = 0;
+    bool best_newer = false;
+    for (int i = 0; i < o->n; i++) {
+        const bool newer = has_newer(o, i);
+        const bool older = o->eph[i].toe_ns < o->eph[best].toe_ns;
+        if ((newer && !best_newer) || (newer == best_newer && older)) {
+            best = i;
+            best_newer = newer;
+        }
+    }
+    return best;
+}
+
 pel_status_t pel_orbits_add(pel_orbits_t *o, const pel_ephemeris_t *eph)
 {
     int of_sat = 0;
-    int oldest_of_sat = -1;
-    int oldest = -1;
+    int at = -1; /* oldest of the satellite, or what the newcomer replaces for certain */
+    bool replace = false;
 
     if (!plausible(eph)) { return PEL_E_RANGE; }
-    for (int i = 0; i < o->n; i++) {
+    for (int i = 0; i < o->n && !replace; i++) {
         const pel_ephemeris_t *k = &o->eph[i];
-        if (oldest < 0 || k->toe_ns < o->eph[oldest].toe_ns) { oldest = i; }
         if (!same_satellite(k, eph)) { continue; }
-        if (k->toe_ns == eph->toe_ns) {
-            o->eph[i] = *eph;
-            return PEL_OK;
-        }
+        const bool same_time = pel_fabs(pel_time_diff_s(k->toe_ns, eph->toe_ns)) < BOTH_SOURCES_S;
+        if (k->source < eph->source && same_time) { return PEL_OK; } /* I/NAV is there: F/NAV adds nothing */
         of_sat++;
-        if (oldest_of_sat < 0 || k->toe_ns < o->eph[oldest_of_sat].toe_ns) { oldest_of_sat = i; }
+        replace = k->source > eph->source || (k->source == eph->source && k->toe_ns == eph->toe_ns);
+        if (replace || at < 0 || k->toe_ns < o->eph[at].toe_ns) { at = i; }
     }
-    if (of_sat < 2 && o->n < PEL_MAX_EPH) {
-        o->eph[o->n++] = *eph;
-        return PEL_OK;
-    }
-    o->eph[(oldest_of_sat >= 0) ? oldest_of_sat : oldest] = *eph;
+    if (!replace && of_sat < 2) { at = (o->n < PEL_MAX_EPH) ? o->n++ : dispensable(o); }
+    o->eph[at] = *eph;
     return PEL_OK;
 }
 

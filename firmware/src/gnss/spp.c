@@ -9,7 +9,8 @@
 #define MAX_ITERATIONS     12
 #define ATMOSPHERE_STEP_M  100.0 /* its delays change by less than 0.1 mm over this */
 #define IONO_UNKNOWN_SD_M  5.0
-#define IONO_FREE_VAR_GAIN 9.0 /* of the L1/L2 combination: 2.55^2 + 1.55^2 */
+#define IONO_MODEL_SD      0.25 /* of Klobuchar's delay: its error is half of it, but half of that is common to all */
+#define IONO_FREE_VAR_GAIN 9.0  /* of the L1/L2 combination: 2.55^2 + 1.55^2 */
 
 /* One least-squares problem, position from codes or velocity from Dopplers, with the same search for outliers. */
 typedef struct {
@@ -129,7 +130,7 @@ static double variance(const problem_t *p, int i)
 
     double var = p->cfg->code_sd_m * p->cfg->code_sd_m * law;
     if (p->second[i] >= 0) { var *= IONO_FREE_VAR_GAIN; }
-    double iono_sd = 0.5 * s->iono_L1_m; /* Klobuchar removes half, rms */
+    double iono_sd = IONO_MODEL_SD * s->iono_L1_m;
     if (!p->o->klobuchar.valid) { iono_sd = (p->second[i] >= 0) ? 0.0 : IONO_UNKNOWN_SD_M / pel_max(sin_el, 0.3); }
     const double tropo_sd = 0.05 * s->tropo_m;
     const double eph_sd = (double)s->sd_eph_m;

@@ -7,7 +7,8 @@
 #include "group_delay.h"
 #include "view_internal.h"
 
-#define C PEL_SPEED_OF_LIGHT
+#define C         PEL_SPEED_OF_LIGHT
+#define URA_TO_SD 0.5f /* broadcast URA is a bound; measured ranging errors are a third of it or less */
 
 bool pel_view_near_earth(const double r_e[3])
 {
@@ -36,7 +37,7 @@ static bool satellite_at_transmission(pel_time_t tag_ns, double P_m, const pel_e
     s->source = eph->source;
     s->iode = eph->iode;
     s->toe_gps_s = (uint32_t)(eph->toe_ns / PEL_NS_PER_S);
-    s->sd_eph_m = eph->sd_ura_m;
+    s->sd_eph_m = URA_TO_SD * eph->sd_ura_m;
     s->tgd_m[0] = (float)(C * eph->tgd_s[0]);
     s->tgd_m[1] = (float)(C * eph->tgd_s[1]);
     for (int k = 0; k < 3; k++) {
@@ -46,6 +47,12 @@ static bool satellite_at_transmission(pel_time_t tag_ns, double P_m, const pel_e
     s->clk_m = C * state.clk_s;
     s->clk_rate_mps = C * state.clk_rate;
     return true;
+}
+
+/* QZSS: the lowest bit speaks of a signal not used here (L1C/B or L6; IS-QZSS-PNT 5.4.1). */
+static bool healthy(const pel_ephemeris_t *eph)
+{
+    return (eph->sys == PEL_SYS_QZS) ? (eph->health & 0xFEu) == 0u : eph->health == 0u;
 }
 
 /* Is this the first usable code of its satellite in the epoch? */
@@ -79,7 +86,7 @@ void pel_view_orbits(const pel_epoch_t *e, const pel_orbits_t *o, pel_time_t t_o
         const pel_ephemeris_t *eph = pel_orbits_find(o, obs->sys, obs->prn, t_orbit_ns);
         if (eph == NULL) {
             count->sats_no_eph++;
-        } else if (eph->health != 0) {
+        } else if (!healthy(eph)) {
             count->sats_unhealthy++;
         } else if (view->n >= PEL_MAX_SATS) {
             count->sats_excluded++;
