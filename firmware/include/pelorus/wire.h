@@ -46,13 +46,14 @@ typedef struct pel_receiver_t {
     pel_pvt_t pvt;
     pel_wire_counters_t counters;
     /* private from here */
-    pel_time_t t_approx_ns; /* current time as far as known, 0 = unknown */
-    pel_time_t t_given_ns;  /* last epoch delivered, 0 = none */
-    pel_time_t t_back_ns;   /* newest epoch refused as older than that */
-    uint8_t n_back;         /* how many in a row: a receiver that restarted is believed after PEL_WIRE_RESTART */
-    bool collecting;        /* epoch holds RTCM observations not yet delivered */
-    uint16_t fill;          /* bytes in buf */
-    uint32_t nav_clock;     /* navigation message frames seen */
+    pel_time_t t_approx_ns;  /* current time as far as known, 0 = unknown */
+    pel_time_t t_given_ns;   /* last epoch delivered, 0 = none */
+    pel_time_t t_back_ns;    /* newest epoch refused as older than that */
+    pel_time_t t_gps_msm_ns; /* last MSM of GPS, 0 = none: 1004 beside it is not used */
+    uint8_t n_back;          /* how many in a row: a receiver that restarted is believed after PEL_WIRE_RESTART */
+    bool collecting;         /* epoch holds RTCM observations not yet delivered */
+    uint16_t fill;           /* bytes in buf */
+    uint32_t nav_clock;      /* navigation message frames seen */
     pel_nav_slot_t nav[PEL_NAV_SLOTS];
     uint8_t buf[PEL_MAX_FRAME_BYTES + 8];
 } pel_receiver_t;

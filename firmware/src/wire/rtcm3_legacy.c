@@ -12,6 +12,8 @@
 #define NO_RANGE_1   0xFFFFFFu
 /* The message holds phase minus code within +-262 m: multiples of 1500 cycles are taken off (3.5.1, DF012). */
 #define PHASE_BLOCK_CYC 1500.0
+/* After this long without an MSM of GPS, 1004 counts again. */
+#define MSM_GONE_S 60
 
 /* DF013: blocks of 24 values, each with twice the step of the one before; 127 is 937 s or more. */
 static uint32_t lock_s(uint32_t indicator)
@@ -106,8 +108,12 @@ pel_rx_event_t pel_rtcm3_1004(pel_receiver_t *rx, const uint8_t *message, size_t
         rx->counters.unknown++; /* nothing tells the week yet */
         return PEL_RX_NONE;
     }
-    if (!pel_rx_collect(rx, pel_tow_ms_near(tow_ms, rx->t_approx_ns), hold, &event)) { return event; }
-    for (unsigned i = 0; i < n_sat; i++) { decode_sat(rx, &r); }
+    const pel_time_t t = pel_tow_ms_near(tow_ms, rx->t_approx_ns);
+    if (!pel_rx_collect(rx, t, hold, &event)) { return event; }
+    /* A sender of both kinds has another integer in each: its MSM are taken, and only they. */
+    const bool has_msm = rx->t_gps_msm_ns != 0 && t - rx->t_gps_msm_ns < MSM_GONE_S * PEL_NS_PER_S;
+    if (has_msm) { rx->counters.duplicate++; }
+    for (unsigned i = 0; i < n_sat && !has_msm; i++) { decode_sat(rx, &r); }
     return more ? PEL_RX_NONE : pel_rx_deliver(rx);
 }
 

@@ -130,6 +130,16 @@ static void decode_cells(pel_receiver_t *rx, const pel_bit_reader_t *r, const ms
     }
 }
 
+/* BeiDou messages carry BeiDou time, 14 s behind GPS time. Some senders put GPS time there: then it is that of the epoch
+ * whose other messages are just coming in. */
+static pel_time_t time_of(const pel_receiver_t *rx, pel_sys_t sys, uint32_t epoch_ms)
+{
+    const pel_time_t t = pel_tow_ms_near(epoch_ms, rx->t_approx_ns);
+    if (sys != PEL_SYS_BDS) { return t; }
+    if (rx->collecting && t == rx->epoch.t_ns) { return t; }
+    return pel_tow_ms_near(epoch_ms + 14000u, rx->t_approx_ns);
+}
+
 pel_rx_event_t pel_rtcm3_msm(pel_receiver_t *rx, const uint8_t *message, size_t n, bool *hold)
 {
     pel_bit_reader_t r;
@@ -150,9 +160,9 @@ pel_rx_event_t pel_rtcm3_msm(pel_receiver_t *rx, const uint8_t *message, size_t 
         rx->counters.unknown++; /* nothing tells the week yet */
         return PEL_RX_NONE;
     }
-    h.t_ns = pel_tow_ms_near(epoch_ms, rx->t_approx_ns);
-    if (h.sys == PEL_SYS_BDS) { h.t_ns = pel_tow_ms_near(epoch_ms + 14000u, rx->t_approx_ns); } /* BDT to GPS time */
+    h.t_ns = time_of(rx, h.sys, epoch_ms);
     if (!pel_rx_collect(rx, h.t_ns, hold, &event)) { return event; }
+    if (h.sys == PEL_SYS_GPS) { rx->t_gps_msm_ns = h.t_ns; }
     decode_cells(rx, &r, &h);
     return h.more ? PEL_RX_NONE : pel_rx_deliver(rx);
 }

@@ -36,6 +36,8 @@ static const ubx_signal_t SIGNAL[] = {
 #define CP_VALID          0x02u
 #define HALF_CYC_RESOLVED 0x04u
 
+#define CP_STDEV_INVALID 15u /* cpStdev, units of 0.004 cycles: this one says the phase means nothing */
+
 static const ubx_signal_t *find_by_id(uint8_t gnss_id, uint8_t sig_id)
 {
     for (size_t i = 0; i < N_SIGNAL; i++) {
@@ -89,9 +91,10 @@ static bool decode_signal(const uint8_t *m, pel_obs_t *o)
     o->D_hz = pel_le_f32(m + 16);
     o->lock_ms = (uint32_t)pel_le_u(m + 24, 2);
     o->cn0_dbhz = (float)m[26];
-    o->flags = PEL_OBS_DOPPLER;
+    /* The message has no flag for a missing Doppler; exactly zero is what encoders of files without Doppler write. */
+    o->flags = (o->D_hz < 0.0f || o->D_hz > 0.0f) ? PEL_OBS_DOPPLER : 0u;
     if ((trk & PR_VALID) != 0u) { o->flags |= PEL_OBS_CODE; }
-    if ((trk & CP_VALID) != 0u) {
+    if ((trk & CP_VALID) != 0u && (m[28] & 0x0Fu) != CP_STDEV_INVALID) {
         o->flags |= PEL_OBS_PHASE;
         if ((trk & HALF_CYC_RESOLVED) == 0u) { o->flags |= PEL_OBS_HALF_CYCLE; }
     }
