@@ -7,7 +7,7 @@
 #include "view_internal.h"
 
 #define MAX_ITERATIONS     12
-#define ATMOSPHERE_STEP_M  100.0 /* its delays change by less than 0.1 mm over this */
+#define ATMOSPHERE_STEP_M  1.0 /* upwards, that is 0.3 mm of zenith delay */
 #define IONO_UNKNOWN_SD_M  5.0
 #define IONO_MODEL_SD      0.25 /* of Klobuchar's delay: its error is half of it, but half of that is common to all */
 #define IONO_FREE_VAR_GAIN 9.0  /* of the L1/L2 combination: 2.55^2 + 1.55^2 */
