@@ -160,6 +160,7 @@ static bool looks_like_logger(const input_t *in)
     for (int i = 0; i < 20 && lines_next(&lines, &l); i++) {
         fields_t f;
         double v = 0.0;
+        if (lines.at == lines.end && good >= 2) { break; } /* the last may be, too */
         split(l, &f);
         if (f.n != 7 || !number(f.f[6], &v) || floor(v) != v || v < before) { return false; }
         before = v;

@@ -5,6 +5,7 @@
 
 #include "pelorus/wire.h"
 
+/* The bytes pass unchanged whatever the decoder says of them. Refused is what tells of a damaged recording. */
 static void tally_counters(tally_t *t, const pel_wire_counters_t *c)
 {
     tally_add(t, TALLY_TAKEN, "frames", c->frames);
@@ -15,8 +16,9 @@ static void tally_counters(tally_t *t, const pel_wire_counters_t *c)
     tally_add(t, TALLY_NOTE, "gaps", c->gap);
     tally_add(t, TALLY_REFUSED, "wrong checksum", c->bad_checksum);
     tally_add(t, TALLY_REFUSED, "impossible length", c->bad_length);
-    tally_add(t, TALLY_REFUSED, "impossible value", c->bad_value);
-    tally_add(t, TALLY_REFUSED, "time going back", c->time_back);
+    tally_add(t, TALLY_LEFT, "values the firmware will not take: unknown signal or satellite, out of range (passed on)",
+              c->bad_value);
+    tally_add(t, TALLY_LEFT, "epochs or samples older than one before (passed on)", c->time_back);
 }
 
 /* An epoch of the stream: its time, and the byte that completed it. */

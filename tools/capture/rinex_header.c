@@ -221,6 +221,10 @@ bool rinex_header_read(rinex_header_t *h, lines_t *lines, tally_t *tally, const 
         return false;
     }
     read_version(h, l);
+    if (line_label(l, "CRINEX VERS")) {
+        *why = "Hatanaka-compressed RINEX: expand it first (crx2rnx)";
+        return false;
+    }
     if (h->version_100 < 200 || h->version_100 >= 400 || !h->is_obs) {
         *why = (h->version_100 == 0) ? "not a RINEX file"
                : h->is_obs           ? "RINEX version is neither 2 nor 3"

@@ -155,11 +155,20 @@ static uint16_t whole(record_t *rec, int i, int k, double max)
     return (uint16_t)(v + 0.5);
 }
 
+/* Galileo health of RINEX (E1-B, E5a, E5b: validity and two status bits each, from the lowest) as the firmware numbers it:
+ * E1-B or, in F/NAV, E5a lowest, E5b above. */
+static uint8_t galileo_health(unsigned rinex, uint8_t source)
+{
+    if (source != 0) { return (uint8_t)(rinex >> 3 & 7u); }
+    return (uint8_t)((rinex & 7u) | (rinex >> 6 & 7u) << 3);
+}
+
 /* GPS and QZSS fields share a layout, Galileo and BeiDou put their own into three of its places. */
 static void system_fields(record_t *rec, pel_ephemeris_t *eph)
 {
     eph->iode = whole(rec, 1, 0, 1023.0);
-    eph->health = (uint8_t)whole(rec, 6, 1, 511.0);
+    const unsigned health = whole(rec, 6, 1, 511.0);
+    eph->health = (uint8_t)(health & 63u);
     eph->sd_ura_m = (float)value(rec, 6, 0);
     eph->tgd_s[0] = value(rec, 6, 2);
     double fit_h = 0.0;
@@ -169,6 +178,7 @@ static void system_fields(record_t *rec, pel_ephemeris_t *eph)
         eph->tgd_s[1] = value(rec, 6, 3);
         eph->iodc = eph->iode;
         eph->source = (source & 0x5u) ? 0 : 1; /* bits 0, 2: I/NAV on E1-B, E5b-I; bit 1: F/NAV */
+        eph->health = galileo_health(health, eph->source);
         eph->fit_s = 14400.0f;
         break;
     }

@@ -70,7 +70,8 @@ void tagfile_fit_text(tagfile_t *t, const input_t *log)
     for (size_t i = 0; i < log->n; i++) { lines += (log->bytes[i] == '\n'); }
     if (t->n == 0 || lines == 0) { return; }
     const size_t last = t->tag[t->n - 1].end;
-    if (last + 256 < log->n + lines || last > log->n + lines + 256) { return; } /* not one byte a line */
+    const size_t with_cr = log->n + lines; /* what is logged after the last tag is less than a buffer */
+    if (last <= log->n || last + 256 < with_cr || last > with_cr + 256) { return; }
     size_t at = 0, lost = 0;
     for (size_t i = 0; i < t->n; i++) {
         while (at < log->n && at + lost < t->tag[i].end) { lost += (log->bytes[at++] == '\n'); }
