@@ -253,13 +253,14 @@ void pel_int_limits_default(pel_int_limits_t *limits);
 pel_status_t pel_int_validate(const pel_amb_problem_t *p, const pel_ils_t *s, const pel_int_limits_t *limits,
                               pel_int_verdict_t *v);
 
-/* Float, search, verdict; on refusal drop one satellite (the worst fixed residual where misfit was the reason, else the noisiest
- * satellite) and try again, at most max_tries solutions in all.
+/* Float, search, verdict; on refusal try again with fewer satellites, at most max_tries solutions in all (8 is plenty): a problem that
+ * does not fit leaves out one satellite at a time, the worst fitting first; one that is only too weak loses its noisiest satellites.
  *
- *  p  in/out  rows that were given up have `integer` cleared
+ *  p  in/out  PEL_OK: rows given up have `integer` (and, if they did not fit, `code`) cleared; else as it was
  *  N  out     [PEL_MAX_AMB] by row of p (0 where `integer` is false); unchanged unless PEL_OK
+ *  v  out     verdict of the solution delivered; PEL_W_REJECTED: of the first try, which used all satellites
  *
- * PEL_OK: fixed. PEL_W_REJECTED: not fixed, v says why (of the first try, which used all integers). < 0: as pel_amb_float().
+ * PEL_OK: fixed. PEL_W_REJECTED: not fixed, v says why. < 0: as pel_amb_float(), v->reason is PEL_INT_NOT_TRIED.
  * The node budget is for all tries together. */
 pel_status_t pel_amb_resolve(pel_amb_problem_t *p, pel_ils_t *s, const pel_int_limits_t *limits, int32_t budget,
                              int max_tries, int64_t *N, pel_int_verdict_t *v);

@@ -1,5 +1,5 @@
 /* amb_fixed.c - the position that known integers give, from phases alone. */
-#include "pelorus/ambiguity.h"
+#include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
 pel_status_t pel_amb_fixed(const pel_amb_problem_t *p, const int64_t *N, double b[3], double P_b[3][3], double *sq,
@@ -52,4 +52,15 @@ pel_status_t pel_amb_fixed(const pel_amb_problem_t *p, const int64_t *N, double 
     *sq = pel_max(yy - pel_dot3(c, x), 0.0);
     *dof = n - 3;
     return PEL_OK;
+}
+
+void amb_misfits(const pel_amb_problem_t *p, const int64_t *N, const double b[3], float misfit[PEL_MAX_AMB])
+{
+    for (int i = 0, k = 0; i < p->n_rows; i++) {
+        const pel_amb_row_t *row = &p->row[i];
+        misfit[i] = 0.0f;
+        if (!row->integer) { continue; }
+        const double r = row->phase_m - row->lambda_m * (double)N[k++] - pel_dot3(row->g, b);
+        misfit[i] = (float)(r * r / (row->var_phase + p->group[row->group].var_phase));
+    }
 }

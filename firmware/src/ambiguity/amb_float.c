@@ -5,7 +5,7 @@
  * The joint system of 2 m + 3 unknowns is never formed. Derivation: docs/INTEGERS.md. */
 #include <string.h>
 
-#include "ils_internal.h"
+#include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
 #define NO_PRIOR_SD_M 1e3 /* wide beside any code solution, small enough to leave 1e-10 m^2 of its square's digits */

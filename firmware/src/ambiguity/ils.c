@@ -1,7 +1,7 @@
 /* ils.c - life of an integer least-squares problem: taking it in, and what is known of it. */
 #include <string.h>
 
-#include "ils_internal.h"
+#include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
 #define FLOAT_MAX_CYC 1e15 /* a double still resolves an eighth of a cycle */

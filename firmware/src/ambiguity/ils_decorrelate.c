@@ -2,7 +2,7 @@
  *
  * Row p of L belongs to the p-th ambiguity to be searched: w_p = (zhat_p - z_p) - sum_{j<p} L_pj w_j, norm = sum w_p^2 / D_p.
  * This is Teunissen's Q = L' D L with the order of ambiguities reversed, which lets every inner loop run along a row. */
-#include "ils_internal.h"
+#include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
 #define PIVOT_MIN 1e-13 /* of the variance: below, the factor is noise of double arithmetic */

@@ -4,7 +4,7 @@
  * candidate held; before n_best are held there is none, and each descent then ends in a candidate after at most n nodes. */
 #include <string.h>
 
-#include "ils_internal.h"
+#include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
 #define UNBOUNDED   1e300

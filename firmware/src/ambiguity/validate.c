@@ -1,5 +1,5 @@
 /* validate.c - may the integers be believed? Each test has its own verdict. */
-#include "pelorus/ambiguity.h"
+#include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
 void pel_int_limits_default(pel_int_limits_t *limits)
@@ -70,14 +70,12 @@ static void check_position(const pel_amb_problem_t *p, const int64_t *N_sought, 
     double sq;
     int dof;
     if (pel_amb_fixed(p, N_sought, b, P, &sq, &dof) != PEL_OK) { return; }
-    double worst = -1.0;
-    for (int i = 0, k = 0; i < p->n_rows; i++) {
-        const pel_amb_row_t *row = &p->row[i];
-        if (!row->integer) { continue; }
-        const double r = row->phase_m - row->lambda_m * (double)N_sought[k++] - pel_dot3(row->g, b);
-        const double share = r * r / (row->var_phase + p->group[row->group].var_phase);
-        if (share > worst) {
-            worst = share;
+    float misfit[PEL_MAX_AMB];
+    float worst = -1.0f;
+    amb_misfits(p, N_sought, b, misfit);
+    for (int i = 0; i < p->n_rows; i++) {
+        if (p->row[i].integer && misfit[i] > worst) {
+            worst = misfit[i];
             v->worst_row = i;
         }
     }

@@ -1,6 +1,6 @@
-/* ils_internal.h - what the files of the search engine share. */
-#ifndef PELORUS_ILS_INTERNAL_H
-#define PELORUS_ILS_INTERNAL_H
+/* ambiguity_internal.h - what the files of the room share. */
+#ifndef PELORUS_AMBIGUITY_INTERNAL_H
+#define PELORUS_AMBIGUITY_INTERNAL_H
 
 #include "pelorus/ambiguity.h"
 
@@ -25,5 +25,9 @@ pel_status_t ils_decorrelate(pel_ils_t *s);
 
 /* First node of the search. */
 pel_status_t ils_first_node(pel_ils_t *s);
+
+/* How badly each row's phase fits the position b that all of them give: squared residual over its variance, by row; 0 where no
+ * integer is sought. N in the order of the rows with `integer`. */
+void amb_misfits(const pel_amb_problem_t *p, const int64_t *N, const double b[3], float misfit[PEL_MAX_AMB]);
 
 #endif
