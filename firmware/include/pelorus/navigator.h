@@ -43,6 +43,7 @@ typedef struct {
     float coast_after_s;           /* status COAST when the last applied epoch is older */
 
     pel_imu_model_t imu;
+    bool mount_known;              /* the body's y axis points forward: heading may be taken from the course */
     double C_s_b[3][3];            /* mounting: sensor axes to body axes */
     double lever_ba_b[3];          /* IMU to antenna, m: right, forward, up */
     bool have_attitude;            /* attitude below is valid at the first IMU sample */
@@ -96,6 +97,16 @@ typedef struct {
     double alpha[3];           /* turn since the newest pose, rad */
 } pel_pose_ring_t;
 
+/* Heading from velocity changes while an IMU of unknown mounting waits to be aligned (navigator/yaw.c). Private. */
+typedef struct {
+    bool levelled;
+    double C_b_l[3][3];           /* levelled frame of arbitrary heading, carried by the gyros */
+    double dv[3], span_s;         /* velocity change since levelling, in l */
+    pel_time_t since_ns;          /* start of the interval */
+    double dv_since[3], v_since_e[3];
+    double n, a[2], b[2], aa, bb, dot, cross; /* weighted sums of the mean accelerations of both series */
+} pel_yaw_t;
+
 #define PEL_ROVER_QUEUE 3
 #define PEL_BASE_QUEUE 2
 
@@ -128,6 +139,7 @@ typedef struct pel_navigator_t {
     pel_propagator_t propagator;
     double omega_ib_b[3];                   /* at the horizon, smoothed over 20 ms, for lever-arm rates */
     pel_align_t align;
+    pel_yaw_t yaw;
     double C_rel[3][3];                     /* body at the newest increment to body at the first, before the INS runs */
     pel_time_t first_imu_ns;
     bool have_spp;

@@ -7,7 +7,7 @@
 #define OMEGA_SMOOTH_S 0.02              /* one 500 Hz gyro increment's quantization is 8 mm/s on a 3 m arm */
 #define LEAST_LAG_S 0.6                  /* without epochs the filter follows now this closely, or as far as one may be waited for */
 #define LAG_STEP_NS (100 * PEL_NS_PER_MS)
-#define SINGLE_STEP_MAX_S 30.0           /* GNSS alone: a longer silence starts afresh */
+#define SINGLE_STEP_MAX_S 100.0          /* GNSS alone: a longer silence starts afresh */
 
 static void sensor_errors(const pel_navigator_t *nav, double b_g[3], double b_a[3])
 {

@@ -8,6 +8,9 @@
 #define MASK_STEP_RAD (5.0 * PEL_DEG)
 #define MAX_TRIES 4
 #define PRIOR_SIGMAS 5.0
+/* Below this success rate of the search problem the second best must be this much farther away. */
+#define SURE_SUCCESS 0.99
+#define UNSURE_RATIO_FACTOR 1.5
 
 static double baseline_km(const pel_navigator_t *nav)
 {
@@ -125,8 +128,9 @@ void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integ
     out->ratio = verdict.ratio;
     out->success = verdict.success;
     out->nodes = nav->ils.nodes;
-    out->reason = (status < 0) ? PEL_INT_FEW : verdict.reason;
-    if (status == PEL_OK) {
+    const bool unsure = verdict.success < SURE_SUCCESS && verdict.ratio < UNSURE_RATIO_FACTOR * limits.ratio_min;
+    out->reason = (status < 0) ? PEL_INT_FEW : (status == PEL_OK && unsure) ? PEL_INT_RATIO : verdict.reason;
+    if (status == PEL_OK && !unsure) {
         out->reason = PEL_INT_OK;
         for (int r = 0; r < p.n_rows; r++) {
             if (!p.row[r].integer || N[r] > INT32_MAX || N[r] < INT32_MIN) { continue; }

@@ -45,6 +45,16 @@ void pel_nav_try_start_ins(pel_navigator_t *nav);
 /* Fall back to GNSS alone, keeping position and velocity. */
 void pel_nav_drop_ins(pel_navigator_t *nav);
 
+/* ---- yaw.c: heading without knowing the mounting ---- */
+
+void pel_nav_yaw_increment(pel_yaw_t *y, const pel_imu_t *body);
+
+/* After each epoch with a velocity. */
+void pel_nav_yaw_epoch(pel_navigator_t *nav);
+
+/* Attitude at the horizon and its heading's 1 sigma; false while it is not known to SD_MAX_RAD. */
+bool pel_nav_yaw_solve(const pel_navigator_t *nav, double C_b_enu[3][3], double *sd_rad);
+
 /* ---- epoch.c, integers.c ---- */
 
 /* Use one rover epoch with its base epoch (or NULL). */

@@ -6,7 +6,7 @@
 #include "pelorus/math.h"
 
 #define IMU_ALIVE_NS (1 * PEL_NS_PER_S)     /* an IMU silent for longer does not take part */
-#define BASE_ALIVE_NS (30 * PEL_NS_PER_S)   /* a base silent for longer is not waited for */
+#define BASE_ALIVE_NS (120 * PEL_NS_PER_S)  /* a base silent for longer is not waited for */
 #define BASE_MATCH_NS (50 * PEL_NS_PER_MS)  /* base and rover epochs this near belong together */
 #define IMU_SETTLE_NS (20 * PEL_NS_PER_MS)  /* receiver clocks may be off by this: the true instant must be in the ring */
 

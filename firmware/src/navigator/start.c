@@ -1,4 +1,6 @@
 /* start.c - from nothing to GNSS alone, from there to the INS, and back when it must be. */
+#include <string.h>
+
 #include "internal.h"
 
 #include "pelorus/earth.h"
@@ -27,12 +29,14 @@ void pel_nav_reset_alignment(pel_navigator_t *nav)
         .accel_tol_mps2 = pel_max(0.02, 8.0 * imu->vrw_mps_rts),
     };
     pel_align_init(&nav->align, &cfg);
+    memset(&nav->yaw, 0, sizeof nav->yaw);
     nav->first_imu_ns = 0;
 }
 
 void pel_nav_align_increment(pel_navigator_t *nav, const pel_imu_t *body)
 {
     (void)pel_align_push(&nav->align, body);
+    pel_nav_yaw_increment(&nav->yaw, body);
     if (nav->first_imu_ns == 0) {
         nav->first_imu_ns = body->t_ns - (int64_t)(body->dt_s * 1e9);
         for (int i = 0; i < 3; i++) {
@@ -173,7 +177,12 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
         pel_align_gyrocompass(&nav->align, lat, lon, h, COMPASS_SD_MAX_RAD, out) == PEL_OK) {
         return true;
     }
-    return align_moving(nav, lat, lon, h, out);
+    if (nav->cfg.mount_known) { return align_moving(nav, lat, lon, h, out); }
+    double C_b_enu[3][3], sd_heading, roll, pitch, heading;
+    if (!pel_nav_yaw_solve(nav, C_b_enu, &sd_heading)) { return false; }
+    pel_attitude_from_C_b_enu(C_b_enu, &roll, &pitch, &heading);
+    pel_align_from_attitude(roll, pitch, heading, LEVEL_SD_RAD, sd_heading, lat, lon, out);
+    return true;
 }
 
 static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
@@ -219,5 +228,6 @@ void pel_nav_try_start_ins(pel_navigator_t *nav)
     const pel_imu_t *oldest = pel_imu_ring_oldest(&nav->ring);
     if (oldest == NULL || oldest->t_ns > t_ns - IMU_READY_NS || nav->last_imu_ns < t_ns) { return; }
     pel_alignment_t attitude;
+    pel_nav_yaw_epoch(nav);
     if (find_attitude(nav, &attitude)) { begin_ins(nav, &attitude); }
 }
