@@ -64,8 +64,8 @@ void pel_strapdown_step(pel_strapdown_t *s, pel_coning_t *c, const double alpha[
     double g[3];
     for (int i = 0; i < 3; i++) { r_mid[i] = s->r_eb_e[i] + half * s->v_eb_e[i]; }
     pel_earth_gravity_e(r_mid, g);
-    double v_mid[2]; /* without Coriolis, whose own square is below rounding */
-    for (int i = 0; i < 2; i++) { v_mid[i] = s->v_eb_e[i] + 0.5 * (c->dv_f_e[i] + g[i] * dt_s); }
+    const double v_mid[2] = {s->v_eb_e[0] + 0.5 * (c->dv_f_e[0] + g[0] * dt_s) + turn * s->v_eb_e[1],
+                             s->v_eb_e[1] + 0.5 * (c->dv_f_e[1] + g[1] * dt_s) - turn * s->v_eb_e[0]};
     const double dv[3] = {c->dv_f_e[0] + g[0] * dt_s + 2.0 * turn * v_mid[1],
                           c->dv_f_e[1] + g[1] * dt_s - 2.0 * turn * v_mid[0], c->dv_f_e[2] + g[2] * dt_s};
     for (int i = 0; i < 3; i++) {
