@@ -92,7 +92,7 @@ static size_t setup_text(const config_file_t *file, const scenario_t *s, double 
         (void)snprintf(command + n, sizeof command - (size_t)n, " --duration %g", duration_s);
     }
     config_file_set_string(setup, "scenario.name", s->name);
-    config_file_set_number(setup, "scenario.seed", (double)s->seed);
+    config_file_set_integer(setup, "scenario.seed", (int64_t)s->seed);
     config_file_set_string(setup, "scenario.command", command);
     const size_t length = config_file_text(setup, "", out, cap);
     config_file_close(setup);

@@ -266,6 +266,12 @@ void config_file_set_number(config_file_t *c, const char *path, double value)
     holder(*c, path, last).insert_or_assign(last, value);
 }
 
+void config_file_set_integer(config_file_t *c, const char *path, int64_t value)
+{
+    std::string last;
+    holder(*c, path, last).insert_or_assign(last, value);
+}
+
 void config_file_set_numbers(config_file_t *c, const char *path, const double *value, int n)
 {
     std::string last;

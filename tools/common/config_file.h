@@ -58,6 +58,7 @@ void config_file_complain(config_file_t *c, const char *path, const char *what);
 /* Set values (tables on the way are created), then write one table, or with "" the whole file, as TOML text.
  * config_file_text() returns the length of the text, excluding its final 0; it is cut to cap - 1 bytes. */
 void config_file_set_number(config_file_t *c, const char *path, double value);
+void config_file_set_integer(config_file_t *c, const char *path, int64_t value);
 void config_file_set_numbers(config_file_t *c, const char *path, const double *value, int n);
 void config_file_set_string(config_file_t *c, const char *path, const char *value);
 size_t config_file_text(const config_file_t *c, const char *path, char *out, size_t cap);
