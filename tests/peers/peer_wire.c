@@ -31,7 +31,7 @@ static void print_epoch(const pel_epoch_t *e)
     printf("E %" PRId64 " %u %u %d\n", e->t_ns, e->n, e->dropped, e->clock_reset);
     for (int i = 0; i < (int)e->n; i++) {
         const pel_obs_t *o = &e->obs[i];
-        printf("O %u %u %u %c %.6f %.6f %.6f %.3f %u %u %d\n", o->sys, o->prn, o->carrier, o->code, o->P_m, o->L_cyc,
+        printf("O %u %u %u %c %.17g %.17g %.9g %.6g %u %u %d\n", o->sys, o->prn, o->carrier, o->code, o->P_m, o->L_cyc,
                (double)o->D_hz, (double)o->cn0_dbhz, o->lock_ms, o->flags, o->glo_k);
     }
 }

@@ -73,10 +73,15 @@ def convbin(path, fmt, tmp, time=None):
     command = ["convbin", "-r", fmt, "-v", "3.04", "-od", "-os", "-o", str(obs), "-n", str(nav)]
     command += ["-tr", *time.split()] if time else []
     subprocess.run(command + [str(path)], check=True, capture_output=True)
-    return (rinex_reader.read_obs(obs)[0] if obs.exists() else []), (rinex_reader.read_nav(nav)[0] if nav.exists() else [])
+    epochs = rinex_reader.read_obs(obs)[0] if obs.exists() else []
+    for _, signals in epochs:
+        for o in signals:
+            o["prn"] -= 19 if o["sys"] == rinex_reader.SYSTEMS["S"] else 0
+    return epochs, (rinex_reader.read_nav(nav)[0] if nav.exists() else [])
 
 
 def key(o):
+    """SBAS counts from PRN 120 here, RINEX from 100: see convbin()."""
     return o["sys"], o["prn"], o["carrier"], o["code"]
 
 

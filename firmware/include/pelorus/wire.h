@@ -136,7 +136,7 @@ size_t pel_ubx_encode_pvt(const pel_pvt_t *p, uint8_t *out, size_t cap);
 
 /* RTCM 3. Station type 1005 or 1006 (height 0: the position is the antenna's). Ephemeris 1019, 1042, 1044, 1045, 1046.
  * MSM 4..7 of one system, `more`: another message of the same epoch follows. An MSM holds at most 64 cells: the signals
- * that do not fit into one are left out (GPS, Galileo, BeiDou, QZSS). 1004: GPS L1 and L2. */
+ * that do not fit into one are left out (all systems but GLONASS). 1004: GPS L1 and L2. */
 size_t pel_rtcm3_encode_station(const pel_station_t *s, int type, uint8_t *out, size_t cap);
 size_t pel_rtcm3_encode_ephemeris(const pel_ephemeris_t *eph, uint8_t *out, size_t cap);
 size_t pel_rtcm3_encode_msm(const pel_epoch_t *e, pel_sys_t sys, int msm, uint16_t station, bool more, uint8_t *out,

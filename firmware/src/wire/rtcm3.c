@@ -111,7 +111,7 @@ static bool is_msm(unsigned number)
 static bool msm_used(unsigned number)
 {
     const unsigned tens = number / 10u;
-    return number % 10u >= 4u && (tens == 107u || tens == 109u || tens == 111u || tens == 112u);
+    return number % 10u >= 4u && (tens == 107u || (tens >= 109u && tens <= 112u));
 }
 
 pel_rx_event_t pel_rtcm3_handle(pel_receiver_t *rx, const uint8_t *frame, size_t n, bool *hold)

@@ -53,7 +53,7 @@ static void add(pel_receiver_t *rx, uint8_t sys, uint8_t prn, pel_carrier_t carr
     if (o.flags != 0u) { pel_rx_add(rx, &o); }
 }
 
-static void decode_sat(pel_receiver_t *rx, pel_bit_reader_t *r)
+static void decode_sat(pel_receiver_t *rx, pel_bit_reader_t *r, bool skip_gps)
 {
     static const char L2_CODE[4] = {'X', 'P', 'W', 'W'};
     const uint32_t sv = (uint32_t)pel_read_u(r, 6);
@@ -75,6 +75,7 @@ static void decode_sat(pel_receiver_t *rx, pel_bit_reader_t *r)
         sys = PEL_SYS_SBS;
         prn = (uint8_t)(sv - 39u);
     }
+    if (sys == PEL_SYS_GPS && skip_gps) { return; }
     if (range == NO_RANGE_1) { return; } /* everything else is relative to it */
     const double range_m = (double)range * CODE_UNIT_M + (double)whole_ms * MS_M;
     add(rx, sys, prn, PEL_CARRIER_L1, (p_code_1 != 0u) ? 'W' : 'C', range_m, true,
@@ -113,7 +114,7 @@ pel_rx_event_t pel_rtcm3_1004(pel_receiver_t *rx, const uint8_t *message, size_t
     /* A sender of both kinds has another integer in each: its MSM are taken, and only they. */
     const bool has_msm = rx->t_gps_msm_ns != 0 && t - rx->t_gps_msm_ns < MSM_GONE_S * PEL_NS_PER_S;
     if (has_msm) { rx->counters.duplicate++; }
-    for (unsigned i = 0; i < n_sat && !has_msm; i++) { decode_sat(rx, &r); }
+    for (unsigned i = 0; i < n_sat; i++) { decode_sat(rx, &r, has_msm); }
     return more ? PEL_RX_NONE : pel_rx_deliver(rx);
 }
 

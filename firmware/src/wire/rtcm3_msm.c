@@ -21,6 +21,7 @@ static pel_sys_t system_of(unsigned number)
     switch (number / 10u) {
     case 107: return PEL_SYS_GPS;
     case 109: return PEL_SYS_GAL;
+    case 110: return PEL_SYS_SBS; /* satellite 1 is PRN 120 there and here */
     case 111: return PEL_SYS_QZS;
     default: return PEL_SYS_BDS;
     }

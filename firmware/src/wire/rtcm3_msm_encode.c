@@ -124,7 +124,7 @@ static void make_cell(const pel_msm_kind_t *k, const pel_obs_t *o, int64_t rough
 static void write_header(pel_bit_writer_t *w, const pel_epoch_t *e, pel_sys_t sys, int msm, uint16_t station, bool more,
                          const msm_masks_t *m)
 {
-    static const uint16_t NUMBER[PEL_N_SYS] = {1070, 0, 1090, 1120, 1110, 0};
+    static const uint16_t NUMBER[PEL_N_SYS] = {1070, 0, 1090, 1120, 1110, 1100};
     const pel_time_t offset = (sys == PEL_SYS_BDS) ? 14 * PEL_NS_PER_S : 0;
     const int64_t ms = (e->t_ns - offset + PEL_NS_PER_MS / 2) % PEL_NS_PER_WEEK / PEL_NS_PER_MS;
     pel_write_u(w, 12, (uint64_t)NUMBER[sys] + (uint64_t)msm);
@@ -167,7 +167,7 @@ size_t pel_rtcm3_encode_msm(const pel_epoch_t *e, pel_sys_t sys, int msm, uint16
     int n_cell = 0;
 
     if (k == NULL || cap < 32u || e->n > PEL_MAX_OBS || e->t_ns < 14 * PEL_NS_PER_S || station > 4095u) { return 0; }
-    if (sys != PEL_SYS_GPS && sys != PEL_SYS_GAL && sys != PEL_SYS_BDS && sys != PEL_SYS_QZS) { return 0; }
+    if ((unsigned)sys >= PEL_N_SYS || sys == PEL_SYS_GLO) { return 0; }
     make_masks(e, sys, &m);
     pel_bit_writer_init(&w, out + 3, ((cap < 1029u) ? cap : 1029u) - 6u);
     write_header(&w, e, sys, msm, station, more, &m);

@@ -9,7 +9,7 @@ static int32_t days_since_1980(int32_t year, int32_t month, int32_t day)
 {
     const int32_t y = (month > 2) ? year : year - 1;
     const int32_t m = (month > 2) ? month - 3 : month + 9;
-    return 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1 - 722895;
+    return 365 * y + y / 4 - y / 100 + y / 400 + (153 * m + 2) / 5 + day - 1 - 723125;
 }
 
 static bool plausible(const pel_pvt_t *p)

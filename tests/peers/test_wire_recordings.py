@@ -1,0 +1,195 @@
+"""Decoders of wire/ on real receivers' bytes, against RTKLIB's convbin and pyubx2."""
+import collections
+import datetime
+import json
+
+import pytest
+from gnss_peer import recording
+from wire_peer import compare_ephemerides, compare_signals, convbin, decode, key, match_epochs, unpacked
+
+UBX = {  # file: epochs that convbin writes
+    ("walk-imu-ubx-2025", "gnss_1730.ubx.gz"): 536,
+    ("ubx-coldstart-2025", "coldstart.ubx.gz"): 562,
+    ("galway-walk-20181009", "rover-20181009-1221.ubx.gz"): 2072,
+    ("galway-walk-20181009", "base-20181009-1220.ubx.gz"): 452,
+    ("gpsd-logs", "ublox-zed-f9p_hpg1.11.log.gz"): 654,
+}
+RTCM = {  # file: (its date, epochs that convbin writes)
+    ("rtcm3-streams", "missing-beidou-STR17.rtcm3"): ((2018, 7, 18), 502),
+    ("rtcm3-streams", "msm7.rtcm"): ((2018, 1, 1), 36),
+    ("rtcm3-streams", "sept.rtcm"): ((2018, 1, 1), 55),
+    ("rtcm3-streams", "trimble.rtcm"): ((2018, 1, 1), 153),
+    ("rtcm3-streams", "jenoba-jrr32m.rtcm3"): ((2018, 1, 1), 67),
+    ("rtcm3-streams", "piksi-5Hz.rtcm3"): ((2018, 1, 1), 38),
+    ("rtcm3-streams", "leica.rtcm"): ((2018, 1, 1), 21),
+    ("rtcm3-streams", "navcom.rtcm"): ((2018, 1, 1), 64),
+    ("rtcm3-streams", "mixed-msm-legacy.rtcm"): ((2018, 1, 1), 34),
+    ("rtklib-rcvraw", "testglo.rtcm3"): ((2009, 12, 12), 186),
+}
+RINEX_HALF_UNIT = 0.000501  # three decimals
+
+
+def gps_seconds(date):
+    return int((datetime.datetime(*date, 12) - datetime.datetime(1980, 1, 6)).total_seconds())
+
+
+def assert_same_numbers(worst):
+    assert max(worst.values()) < RINEX_HALF_UNIT, worst
+
+
+@pytest.mark.parametrize("parts", UBX, ids=lambda p: p[-1])
+def test_ubx_recording_equals_convbin(parts, tmp_path):
+    path = unpacked(tmp_path, *parts)
+    ours, (epochs, ephemerides) = decode(path), convbin(path, "ubx", tmp_path)
+    pairs = match_epochs(ours.epochs, epochs)
+    worst, counts = compare_signals(pairs)
+    matched, lost, different = compare_ephemerides(ours.ephemerides, ephemerides)
+    print(f"\n{parts[-1]}: {len(pairs)} of {len(epochs)} epochs, {counts['both']} signals, worst P {worst['P']:.6f} m "
+          f"L {worst['L']:.6f} cyc D {worst['D']:.6f} Hz; {matched} of {len(ephemerides)} ephemerides equal")
+    assert len(epochs) == UBX[parts] == len(pairs)
+    assert_same_numbers(worst)
+    # convbin drops phases whose stated deviation is above 0.02 cycles; it never has one that we lack
+    assert counts["missing"] == 0 and counts["only_theirs"] == 0
+    assert counts["both"] > 10000 and not lost and not different
+
+
+@pytest.mark.parametrize("parts", RTCM, ids=lambda p: p[-1])
+def test_rtcm_recording_equals_convbin(parts, tmp_path):
+    date, n_epochs = RTCM[parts]
+    path = unpacked(tmp_path, *parts)
+    ours = decode(path, gps_seconds(date))
+    epochs, ephemerides = convbin(path, "rtcm3", tmp_path, "{}/{}/{} 12:00:00".format(*date))
+    pairs = match_epochs(ours.epochs, epochs)
+    worst, counts = compare_signals(pairs)
+    matched, lost, different = compare_ephemerides(ours.ephemerides, ephemerides)
+    print(f"\n{parts[-1]}: {len(pairs)} of {len(epochs)} epochs, {counts['both']} signals, worst P {worst['P']:.6f} m "
+          f"L {worst['L']:.6f} cyc D {worst['D']:.6f} Hz; {matched} of {len(ephemerides)} ephemerides equal")
+    assert len(epochs) == n_epochs == len(pairs)
+    assert_same_numbers(worst)
+    assert counts["only_theirs"] == 0 and not lost and not different
+    for a, b in pairs:  # what only convbin has is GLONASS, a carrier that is no member here, or a second code on a carrier
+        have = {key(o)[:3] for o in a}
+        assert {key(o)[:3] for o in b if o["sys"] != 1} <= have
+
+
+def test_epoch_whose_last_message_is_another_systems_ends_there():
+    """GMSD7: BeiDou messages that carry GPS time still belong to their epoch: 11 GPS, 1 QZSS and 8 BeiDou satellites."""
+    ours = decode(recording("rtklib-rcvraw", "GMSD7_20121014.rtcm3"), gps_seconds((2012, 10, 14)))
+    systems = [collections.Counter({(o["sys"], o["prn"]): 1 for o in obs}) for _, obs in ours.epochs]
+    assert len(ours.epochs) == 257
+    assert all(sum(1 for s, _ in c if s == 3) >= 6 and sum(1 for s, _ in c if s == 0) >= 8 for c in systems)
+
+
+def test_rawx_equals_pyubx2(tmp_path):
+    """Every number and flag, to the last bit."""
+    import struct
+
+    from pyubx2 import UBXReader
+
+    path = unpacked(tmp_path, "ubx-coldstart-2025", "coldstart.ubx.gz")
+    ours = {t: obs for t, obs in decode(path).epochs}
+    systems = {0: 0, 1: 5, 2: 2, 3: 3, 5: 4, 6: 1}
+    signals = 0
+
+    def single(x):
+        return struct.pack("<f", x)
+
+    with open(path, "rb") as f:
+        for _, m in UBXReader(f, protfilter=2, quitonerror=0):
+            if m is None or m.identity != "RXM-RAWX":
+                continue
+            t = m.week * 604800 * 10**9 + round(m.rcvTow * 1e9)
+            theirs = []
+            for i in range(1, m.numMeas + 1):
+                g = lambda name: getattr(m, f"{name}_{i:02d}")  # noqa: E731
+                if g("prValid") or g("cpValid"):
+                    theirs.append((systems[g("gnssId")], g("svId") - (119 if g("gnssId") == 1 else 0), g("prMes"), g("cpMes"),
+                                   single(g("doMes")), g("cno"), g("locktime"),
+                                   bool(g("cpValid")) and not g("halfCyc")))
+            if not theirs or t not in ours:
+                continue
+            mine = [(o["sys"], o["prn"], o["P"], o["L"], single(o["D"]), int(o["cn0"]), o["lock"],
+                     bool(o["flags"] & 8)) for o in ours[t]]
+            assert sorted(mine) == sorted(theirs)
+            signals += len(mine)
+    print(f"\n{signals} signals equal")
+    assert signals > 11000
+
+
+def test_pvt_equals_pyubx2(tmp_path):
+    from pyubx2 import UBXReader
+
+    path = unpacked(tmp_path, "walk-imu-ubx-2025", "gnss_1730.ubx.gz")
+    ours = decode(path).pvt
+    with open(path, "rb") as f:
+        theirs = [m for _, m in UBXReader(f, protfilter=2, quitonerror=0) if m is not None and m.identity == "NAV-PVT"]
+    assert len(ours) == len(theirs) == 536
+    for a, m in zip(ours, theirs):
+        utc = datetime.datetime(m.year, m.month, m.day, m.hour, m.min, m.second) - datetime.datetime(1980, 1, 6)
+        t = (utc.days * 86400 + utc.seconds + 18) * 10**9 + m.nano
+        assert abs(a[0] - t) < 10**6  # iTOW is whole milliseconds
+        assert int(a[1]) == m.fixType and int(a[2]) == m.carrSoln and int(a[3]) == m.numSV
+        assert abs(a[4] * 57.29577951308232 - m.lat) < 1e-7 and abs(a[5] * 57.29577951308232 - m.lon) < 1e-7
+        assert abs(a[6] - m.height / 1e3) < 1e-4 and abs(a[7] - m.velN / 1e3) < 1e-4 and abs(a[9] - m.velD / 1e3) < 1e-4
+
+
+def test_klobuchar_is_the_navigation_files(tmp_path):
+    """Galway, 2018-10-09: the receivers' subframe 4 page 18; base and rover heard the same one."""
+    base = decode(unpacked(tmp_path, "galway-walk-20181009", "base-20181009-1220.ubx.gz")).klobuchar
+    rover = decode(unpacked(tmp_path, "galway-walk-20181009", "rover-20181009-1221.ubx.gz")).klobuchar
+    assert base and rover and all(k == base[0] for k in base + rover)
+    assert 0 < base[0][0] < 1e-7 and 5e4 < base[0][4] < 2e5
+
+
+def test_station_of_galway_base(tmp_path):
+    stations = decode(unpacked(tmp_path, "galway-walk-20181009", "base-20181009-1220.ubx.gz")).stations
+    assert len(stations) > 1000
+    assert max(abs(a - b) for a, b in zip(stations[-1][1:], (3774696.5547, -596647.9083, 5089485.6511))) < 1e-4
+
+
+@pytest.mark.parametrize("name", ["ublox-zed-f9t-rtcm3", "ublox-f9p-rtcm", "rtcm3.2", "rtcm3.bndm"])
+def test_stations_equal_gpsd(name):
+    """gpsd's own decode, shipped beside each log. Comment lines before the bytes are noise and nothing else."""
+    expected = []
+    for line in recording("gpsd-logs", name + ".log.chk").read_text().splitlines():
+        if line.startswith("{") and '"RTCM3"' in line:
+            m = json.loads(line)
+            if m.get("type") in (1005, 1006):
+                expected.append((m["station_id"], m["x"], m["y"], m["z"]))
+    ours = decode(recording("gpsd-logs", name + ".log"), gps_seconds((2019, 6, 1))).stations
+    print(f"\n{name}: {len(ours)} stations, gpsd {len(expected)}")
+    assert len(ours) == len(expected)
+    for a, b in zip(ours, expected):
+        assert a[0] == b[0] and max(abs(x - y) for x, y in zip(a[1:], b[1:])) < 2e-4
+
+
+def test_any_cut_of_a_recording_gives_a_prefix(tmp_path):
+    """A stream that ends anywhere gives the same epochs as far as it goes, and never a wrong one."""
+    path = unpacked(tmp_path, "walk-imu-ubx-2025", "gnss_1730.ubx.gz")
+    whole = decode(path)
+    data = path.read_bytes()
+    for n in range(1000, 60000, 3777):
+        cut = tmp_path / "cut.ubx"
+        cut.write_bytes(data[:n])
+        part = decode(cut)
+        assert part.epochs == whole.epochs[: len(part.epochs)]
+        assert part.counters["checksum"] == 0
+
+
+def test_damaged_recording_gives_only_true_epochs(tmp_path):
+    """One byte in 2000 replaced: every epoch that comes out is one of the undamaged file, bit for bit."""
+    import random
+
+    path = unpacked(tmp_path, "walk-imu-ubx-2025", "gnss_1730.ubx.gz")
+    whole = {t: obs for t, obs in decode(path).epochs}
+    data = bytearray(path.read_bytes())
+    rng = random.Random(5)
+    for _ in range(len(data) // 2000):
+        data[rng.randrange(len(data))] = rng.randrange(256)
+    broken = tmp_path / "broken.ubx"
+    broken.write_bytes(data)
+    part = decode(broken)
+    print(f"\n{len(part.epochs)} of {len(whole)} epochs survive; {part.counters}")
+    assert 0.2 * len(whole) < len(part.epochs) < len(whole)
+    assert all(whole.get(t) == obs for t, obs in part.epochs)
+    assert part.counters["checksum"] > 100
