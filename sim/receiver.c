@@ -20,6 +20,8 @@ static const char system_letters[PEL_N_SYS + 1] = "GRECJS";
 
 static int carrier_of(int sys, char band)
 {
+    static const char *const bands[PEL_N_SYS] = {"125", "12", "1567", "12567", "1256", "15"};
+    if (band == '\0' || strchr(bands[sys], band) == NULL) { return -1; }
     switch (band) {
     case '1': return PEL_CARRIER_L1;
     case '2': return (sys == PEL_SYS_BDS) ? PEL_CARRIER_B1I : PEL_CARRIER_L2;
@@ -37,7 +39,7 @@ bool signal_parse(const char *text, signal_t *out)
     if (letter == NULL) { return false; }
     const int sys = (int)(letter - system_letters);
     const int carrier = carrier_of(sys, text[1]);
-    if (carrier < 0 || !(pel_carrier_hz((pel_sys_t)sys, (pel_carrier_t)carrier, 0) > 0.0)) { return false; }
+    if (carrier < 0) { return false; }
     *out = (signal_t){(uint8_t)sys, (uint8_t)carrier, text[2]};
     return true;
 }
