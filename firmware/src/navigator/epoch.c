@@ -222,6 +222,15 @@ static void start_reports(pel_navigator_t *nav)
     }
 }
 
+/* A single receiver's code errors (orbit, clock, atmosphere, multipath) last for minutes: epochs are not independent. Taking
+ * each with 2 tau / dt of its variance gives the information per second of a process correlated over tau. */
+static void allow_for_correlation(pel_navigator_t *nav, double gap_s)
+{
+    const double factor = pel_max(1.0, 2.0 * nav->cfg.single_code_tau_s / pel_max(gap_s, 0.01));
+    if (nav->epoch_before_ns == 0) { return; }
+    for (int i = 0; i < nav->sd.n; i++) { nav->sd.sd[i].var_code *= factor; }
+}
+
 /* Differences against the base where there is one, else of the rover alone. */
 static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_t *base, double r_ea_e[3], double v_ea_e[3])
 {
@@ -250,6 +259,7 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_
     if (!relative) {
         nav->epoch_solution.base_age_s = -1.0f;
         if (pel_sd_undifferenced(rover, &nav->view_rover, &nav->cfg.noise_single, &nav->sd) != PEL_OK) { return false; }
+        allow_for_correlation(nav, gap_s);
     }
     if (relative != nav->relative && nav->last_epoch_ns != 0) {
         const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
