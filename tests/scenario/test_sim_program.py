@@ -102,3 +102,11 @@ def test_a_bad_line_loses_and_damages_frames(tmp_path):
     count = [sum(name == "UART_ROVER" for _, name, _ in events(tmp_path / x)) for x in "ab"]
     print(done.stderr.decode().strip(), count)
     assert 0.65 * count[1] < count[0] < 0.95 * count[1]
+
+
+def test_the_manuals_example_runs(tmp_path):
+    text = (SCENARIOS.parent / "docs" / "SIMULATOR.md").read_text()
+    (tmp_path / "block.toml").write_text(text.split("```toml\n")[1].split("```")[0])
+    done = sim(tmp_path / "block.toml", "-o", tmp_path / "a")
+    assert done.returncode == 0, done.stderr
+    assert b"124 s in" in done.stderr and b"12400 IMU samples" in done.stderr
