@@ -66,23 +66,36 @@ static bool begins(const char *text, int *n)
     return true;
 }
 
-static bool read_floats(problem_reader_t *r)
+/* Words of a line, whatever they are. */
+static int words(const char *at)
+{
+    int n = 0;
+    for (;;) {
+        at += strspn(at, " \t\r\n,");
+        if (*at == '\0') { return n; }
+        at += strcspn(at, " \t\r\n,");
+        n++;
+    }
+}
+
+/* A bad line is counted for what it stands for, so that the next problem is still found where it begins. */
+static void read_floats(problem_reader_t *r)
 {
     problem_text_t *p = &r->problem;
     for (int have = 0; have < p->n;) {
         const char *text = next_line(r);
         if (text == NULL) {
-            snprintf(p->why, sizeof p->why, "ends after %d of %d float ambiguities", have, p->n);
-            return false;
+            if (p->why[0] == '\0') {
+                snprintf(p->why, sizeof p->why, "ends after %d of %d float ambiguities", have, p->n);
+            }
+            return;
         }
         const int got = numbers(text, p->a + have, p->n - have);
-        if (got < 0) {
+        if (got < 0 && p->why[0] == '\0') {
             snprintf(p->why, sizeof p->why, "line %d: not a number, or more than %d float ambiguities", r->line, p->n);
-            return false;
         }
-        have += got;
+        have += (got < 0) ? words(text) : got;
     }
-    return true;
 }
 
 /* Two entries that should be the same, beside the variances they belong to. */
@@ -91,37 +104,49 @@ static bool same(double a, double b, double va, double vb)
     return fabs(a - b) <= 1e-6 * sqrt(fabs(va * vb)) || (!isfinite(a) && !isfinite(b));
 }
 
-static bool read_covariance(problem_reader_t *r)
+/* Packed lower triangle of a full matrix or of one whose rows hold 1, 2, ... n numbers. */
+static void pack(problem_text_t *p, const double *full, bool lower)
+{
+    const int n = p->n;
+    double *out = p->Q;
+    for (int i = 0; i < n; i++) {
+        for (int j = 0; j <= i; j++) {
+            if (lower) {
+                *out++ = full[i * n + j];
+                continue;
+            }
+            if (!same(full[i * n + j], full[j * n + i], full[i * n + i], full[j * n + j])) {
+                snprintf(p->why, sizeof p->why, "covariance is not symmetric at row %d, column %d", i + 1, j + 1);
+                return;
+            }
+            *out++ = 0.5 * (full[i * n + j] + full[j * n + i]);
+        }
+    }
+}
+
+static void read_covariance(problem_reader_t *r)
 {
     problem_text_t *p = &r->problem;
     const int n = p->n;
     double *full = malloc((size_t)n * (size_t)n * sizeof(double));
     bool lower = false;
-    bool ok = full != NULL;
-    for (int i = 0; ok && i < n; i++) {
+    if (full == NULL) { abort(); }
+    for (int i = 0; i < n; i++) {
         const char *text = next_line(r);
         const int got = (text != NULL) ? numbers(text, full + i * n, n) : 0;
         if (i == 0) { lower = got == 1; }
-        ok = got == (lower ? i + 1 : n);
-        if (!ok && text == NULL) {
+        const int wanted = lower ? i + 1 : n;
+        if (text != NULL && got == wanted) { continue; }
+        if (p->why[0] == '\0' && text == NULL) {
             snprintf(p->why, sizeof p->why, "ends after %d of %d rows of the covariance", i, n);
-        } else if (!ok) {
+        } else if (p->why[0] == '\0') {
             snprintf(p->why, sizeof p->why, "line %d: row %d of the covariance wants %d numbers", r->line, i + 1,
-                     lower ? i + 1 : n);
+                     wanted);
         }
+        if (text == NULL) { break; }
     }
-    double *out = p->Q;
-    for (int i = 0; ok && i < n; i++) {
-        for (int j = 0; j <= i; j++) {
-            if (!lower && !same(full[i * n + j], full[j * n + i], full[i * n + i], full[j * n + j])) {
-                snprintf(p->why, sizeof p->why, "covariance is not symmetric at row %d, column %d", i + 1, j + 1);
-                ok = false;
-            }
-            *out++ = lower ? full[i * n + j] : 0.5 * (full[i * n + j] + full[j * n + i]);
-        }
-    }
+    if (p->why[0] == '\0') { pack(p, full, lower); }
     free(full);
-    return ok;
 }
 
 const problem_text_t *problem_reader_next(problem_reader_t *r)
@@ -137,8 +162,9 @@ const problem_text_t *problem_reader_next(problem_reader_t *r)
         p->line = r->line;
         if (p->n < 1 || p->n > PROBLEM_TEXT_MAX) {
             snprintf(p->why, sizeof p->why, "n = %d is not in 1..%d", p->n, PROBLEM_TEXT_MAX);
-        } else if (read_floats(r)) {
-            (void)read_covariance(r);
+        } else {
+            read_floats(r);
+            read_covariance(r);
         }
         return p;
     }
