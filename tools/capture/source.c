@@ -138,7 +138,7 @@ bool source_add_nav(timeline_t *line, nav_set_t *nav, pel_time_t start, pel_time
     if (nav->klobuchar.valid) {
         const size_t n = pel_ubx_encode_sfrbx_klobuchar(&nav->klobuchar, 1, start, frame, sizeof frame);
         if (n > 0) { ok = timeline_add(&extra, start, frame, n, true); }
-        tally_add(tally, (n > 0) ? TALLY_TAKEN : TALLY_REFUSED, "ionosphere (Klobuchar)", 1);
+        tally_add(tally, (n > 0) ? TALLY_TAKEN : TALLY_LEFT, "ionosphere (Klobuchar)", 1);
     }
     const size_t n_sent = nav_set_schedule(nav, start, end, tally, &sent);
     for (size_t i = 0; ok && i < n_sent; i++) {
