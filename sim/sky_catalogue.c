@@ -140,7 +140,11 @@ static void multi(maker_t *m)
     static const uint8_t igso[7] = {6, 7, 8, 9, 10, 13, 16};
     static const double igso_lon[7] = {118.0, 118.0, 118.0, 95.0, 95.0, 95.0, 115.0};
     for (int k = 0; k < 7; k++) {
-        geosynchronous(m, PEL_SYS_BDS, igso[k], igso_lon[k] * WORLD_DEG, (120.0 * k + 17.0 * (k / 3)) * WORLD_DEG,
+        geosynchronous(m, PEL_SYS_BDS, igso[k], igso_lon[k] * WORLD_DEG,
+                       (120.0 * k + ((k < 3)   ? 0.0
+                                     : (k < 6) ? 17.0
+                                               : 34.0)) *
+                           WORLD_DEG,
                        55.0 * WORLD_DEG, 0.004, spread(m, 3.0));
     }
     static const double geo_lon[5] = {140.0, 80.0, 110.5, 160.0, 58.75};

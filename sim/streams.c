@@ -70,6 +70,7 @@ static packet_t pop(streams_t *s)
 {
     const packet_t first = s->heap[0];
     s->heap[0] = s->heap[--s->n];
+    s->heap[s->n].data = NULL; /* the bytes belong to the caller or to the entry that moved */
     for (int i = 0;;) {
         int child = 2 * i + 1;
         if (child >= s->n) { break; }

@@ -106,7 +106,10 @@ void find_unknown(const config_file_t &c, const toml::table &table, const std::s
         if (const toml::array *array = node.as_array()) {
             for (size_t i = 0; i < array->size(); i++) {
                 const toml::table *inner = array->get(i)->as_table();
-                if (inner != nullptr) { find_unknown(c, *inner, path + "[" + std::to_string(i) + "]", found); }
+                if (inner == nullptr) { continue; }
+                std::string element = path;
+                element.append("[").append(std::to_string(i)).append("]");
+                find_unknown(c, *inner, element, found);
             }
         }
     }

@@ -63,7 +63,8 @@ static void velocity_and_acceleration_are_the_derivatives_of_position(void)
 {
     double worst_v = 0.0;
     double worst_a = 0.0;
-    for (double t = 0.31; t < 640.0; t += 0.777) { /* across all segment boundaries */
+    for (int k = 0; k < 820; k++) { /* across all segment boundaries */
+        const double t = 0.31 + 0.777 * k;
         state_t s;
         motion_at(&motion, t, &s);
         for (int i = 0; i < 3; i++) {
@@ -79,7 +80,8 @@ static void velocity_and_acceleration_are_the_derivatives_of_position(void)
 static void body_rate_is_the_derivative_of_attitude(void)
 {
     double worst = 0.0;
-    for (double t = 0.31; t < 600.0; t += 0.777) {
+    for (int n = 0; n < 770; n++) {
+        const double t = 0.31 + 0.777 * n;
         state_t s;
         double dC[9];
         motion_at(&motion, t, &s);

@@ -122,9 +122,9 @@ static void geostationary_satellites_stay_where_they_are(void)
     for (int i = 0; i < sky.n; i++) {
         if (!sky.sats[i].geostationary) { continue; }
         found++;
-        for (double dt = 0.0; dt < 86400.0; dt += 7200.0) {
+        for (int hours = 0; hours < 24; hours += 2) {
             sat_state_t s;
-            sky_state(&sky.sats[i], start, dt, &s);
+            sky_state(&sky.sats[i], start, 3600.0 * hours, &s);
             const double lon[5] = {140.0, 80.0, 110.5, 160.0, 58.75};
             TEST_ASSERT_DOUBLE_WITHIN(0.2, lon[sky.sats[i].eph.prn - 1], atan2(s.r_e[1], s.r_e[0]) / WORLD_DEG);
             TEST_ASSERT_DOUBLE_WITHIN(2e3, 0.0, s.r_e[2]);
@@ -151,8 +151,8 @@ static void ambiguities_are_whole_numbers(void)
 
 static void doppler_is_the_rate_of_the_phase(void)
 {
-    double before[PEL_MAX_OBS];
-    double now[PEL_MAX_OBS];
+    double before[PEL_MAX_OBS] = {0.0};
+    double now[PEL_MAX_OBS] = {0.0};
     config.interval_ns = 50 * PEL_NS_PER_MS;
     config.clock_bias_s = 1e-4;
     config.clock_drift = 5e-7;
