@@ -285,7 +285,7 @@ class Picture:
                         color=INK, ha="center", va="bottom", xytext=(0, 2), textcoords="offset points")
         slips = one[(one["flags"] & frames.SAT_SLIP) != 0]
         if slips.size:
-            ax.plot(slips["az_rad"], 90 - np.degrees(slips["el_rad"]), "x", ms=4, color=STATUS_COLOUR["coast"], label="slip")
+            ax.plot(slips["az_rad"], 90 - np.degrees(slips["el_rad"]), "x", ms=4, color=STATUS_COLOUR["coast"], label="slip, or new")
             ax.legend(loc="lower left", bbox_to_anchor=(-0.1, -0.12))
         left.colorbar(shown, ax=ax, shrink=0.6, pad=0.1, label="C/N0, dB-Hz").outline.set_visible(False)
         for i, name in enumerate(frames.CARRIERS):

@@ -30,7 +30,7 @@ def verdict(s, limits, refused):
         p = [s.table.get(("pos", a)) for a in "ned"]
         if all(p):
             says.append("Position error " + _three([c["rms"] for c in p], (("mm", 1e3, 1.0), ("m", 1.0, 1e9))) + " rms north, east, down"
-                        + f", at most {max(c['max'] for c in p):.3g} m.")
+                        + f", {_three([max(c['max'] for c in p)], (('mm', 1e3, 1.0), ('m', 1.0, 1e9)))} at most.")
         v = [s.table.get(("vel", a)) for a in "ned"]
         if all(v):
             says.append("Velocity error " + _three([c["rms"] for c in v], (("mm/s", 1e3, 1.0), ("m/s", 1.0, 1e9))) + " rms.")
