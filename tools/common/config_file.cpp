@@ -92,9 +92,11 @@ std::string nearest(const config_file_t &c, const std::string &parent, const std
 void find_unknown(const config_file_t &c, const toml::table &table, const std::string &parent,
                   std::vector<std::string> &found)
 {
+    const std::string prefix = parent.empty() ? "" : parent + ".";
     for (const auto &[key, node] : table) {
         const std::string name(key.str());
-        const std::string path = parent.empty() ? name : parent + "." + name;
+        std::string path = prefix;
+        path.append(name);
         if (c.allowed.count(path) != 0) { continue; }
         if (c.known.count(path) == 0) {
             const std::string hint = nearest(c, parent, name);
