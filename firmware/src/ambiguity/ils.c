@@ -7,6 +7,7 @@
 #define FLOAT_MAX_CYC 1e15 /* a double still resolves an eighth of a cycle */
 #define VARIANCE_MAX  1e12
 #define RATIO_MAX     1e9
+#define SURE_VARIANCE (1.0 / 324.0) /* half a cycle is nine sigmas: wrong once in 1e18 */
 
 /* Take the integer part out of every float ambiguity: what is left is small, whatever the receiver counted before. */
 static pel_status_t remove_integers(pel_ils_t *s, int n)
@@ -35,14 +36,19 @@ static pel_status_t check_variances(const pel_ils_t *s, int n)
 static void measure_strength(pel_ils_t *s)
 {
     double success = 1.0;
+    double product = 1.0;
     double log_sum = 0.0;
     for (int p = 0; p < s->n; p++) {
         const double d = tri_row(s->LD, p)[p];
-        success *= 1.0 - 2.0 * pel_normal_cdf(-0.5 / pel_sqrt(d));
-        log_sum += pel_log(d);
+        if (d > SURE_VARIANCE) { success *= 1.0 - 2.0 * pel_normal_cdf(-0.5 / pel_sqrt(d)); }
+        product *= d;
+        if (product < 1e-200 || product > 1e200) { /* one logarithm for many factors */
+            log_sum += pel_log(product);
+            product = 1.0;
+        }
     }
     s->success = success;
-    s->adop_cyc = pel_exp(0.5 * log_sum / s->n);
+    s->adop_cyc = pel_exp(0.5 * (log_sum + pel_log(product)) / s->n);
 }
 
 pel_status_t ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)

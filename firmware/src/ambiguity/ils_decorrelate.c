@@ -52,43 +52,48 @@ pel_status_t ils_factor(pel_ils_t *s)
         if (p != k) { exchange(s, k, p); }
         const double d = tri_row(s->LD, k)[k];
         if (!(d > PIVOT_MIN * s->mean[k])) { return PEL_E_NOT_POSDEF; }
-        for (int i = n - 1; i > k; i--) { /* downwards: rows above still hold d L_jk when they are needed */
+        double *column = s->w; /* d L_.k, side by side: the loop below is where the time goes */
+        for (int i = k + 1; i < n; i++) { column[i] = tri_row(s->LD, i)[k]; }
+        for (int i = k + 1; i < n; i++) {
             double *row = tri_row(s->LD, i);
-            const double l = row[k] / d;
-            for (int j = k + 1; j <= i; j++) { row[j] -= l * tri_row(s->LD, j)[k]; }
+            const double l = column[i] / d;
+            for (int j = k + 1; j <= i; j++) { row[j] -= l * column[j]; }
             row[k] = l;
         }
     }
     return PEL_OK;
 }
 
-/* Row k minus mu times row j, j < k, everywhere it shows. */
-static pel_status_t subtract_row(pel_ils_t *s, int k, int j, double mu)
+/* Row k minus m times row j, j < k, everywhere it shows. */
+static pel_status_t subtract_row(pel_ils_t *s, int k, int j, int32_t m)
 {
+    const double mu = (double)m;
     double *row_k = tri_row(s->LD, k);
-    const double *row_j = tri_row(s->LD, j);
-    const int64_t m = (int64_t)mu;
-    int32_t *back_j = &s->back[j * s->n];
-    const int32_t *back_k = &s->back[k * s->n];
+    const double *row_j = tri_row_const(s->LD, j);
     for (int i = 0; i < j; i++) { row_k[i] -= mu * row_j[i]; }
     row_k[j] -= mu;
     s->zhat[k] -= mu * s->zhat[j];
+
+    int32_t *back_j = &s->back[j * s->n];
+    const int32_t *back_k = &s->back[k * s->n];
+    int64_t beyond = 0; /* becomes nonzero with the first entry that does not fit */
     for (int i = 0; i < s->n; i++) {
-        const int64_t entry = back_j[i] + m * back_k[i];
-        if (entry > INT32_MAX || entry < -INT32_MAX) { return PEL_E_RANGE; }
+        const int64_t entry = back_j[i] + (int64_t)m * back_k[i];
         back_j[i] = (int32_t)entry;
+        beyond |= entry - back_j[i];
     }
-    return PEL_OK;
+    return (beyond == 0) ? PEL_OK : PEL_E_RANGE;
 }
 
 /* All entries of row k to at most one half. Never lazily: entries left large lose the digits of those they are mixed with. */
 static pel_status_t reduce_row(pel_ils_t *s, int k)
 {
-    double *row = tri_row(s->LD, k);
+    const double *row = tri_row_const(s->LD, k);
     for (int j = k - 1; j >= 0; j--) {
-        if (!(pel_fabs(row[j]) < (double)INT32_MAX)) { return PEL_E_RANGE; }
-        if (pel_fabs(row[j]) <= 0.5) { continue; }
-        const pel_status_t status = subtract_row(s, k, j, pel_round(row[j]));
+        const double x = row[j];
+        if (pel_fabs(x) <= 0.5) { continue; }
+        if (!(pel_fabs(x) < (double)INT32_MAX)) { return PEL_E_RANGE; }
+        const pel_status_t status = subtract_row(s, k, j, (int32_t)((x < 0.0) ? x - 0.5 : x + 0.5));
         if (status != PEL_OK) { return status; }
     }
     return PEL_OK;
