@@ -1,21 +1,28 @@
-/* time_update.c - P = Phi P Phi' + Q by weighted Gram-Schmidt (Thornton 1976; Bierman 1977, VI.4), knowing which blocks there are.
+/* time_update.c - P = Phi P Phi' + Q, knowing which blocks there are.
  *
- * W = [Phi U | I] has one column per state and one per driven state, weights [D | q]; its rows are made orthogonal from the
- * last to the first. Three structures save work: states after the last touched row keep their columns; noise columns
- * are filled only from the rows below, so the early rows meet few; a row starts at its first column that is not zero. */
+ * W = [I | Phi U] has one column per driven state and one per state, with weights [q | D]: P = W diag(weights) W'. It is brought back to
+ * unit upper triangular form row by row from the last: everything left of a row's diagonal is turned into the diagonal's column
+ * by scaled rotations (Gentleman 1973), each of which is a step of Agee and Turner's (1972) rank-one update:
+ *     D' = D + d w^2,  g = d w / D',  d' = d D / D';   for the rows above:  t' = t - w u,  u' = u + g t'
+ * with u, t the elements in the diagonal's and in the other column. Weights only grow or shrink by factors, nothing is
+ * subtracted from a variance. A column is done with its row, which makes this a third cheaper than Thornton's weighted Gram-Schmidt
+ * (1976), where all columns stay to the end.
+ *
+ * Three structures save work: states after the last touched row keep their columns; noise columns are empty below their
+ * own row, so the first rows to be treated meet none; a row starts at its first column that is not zero. */
 #include "packed.h"
 #include "pelorus/filter.h"
 #include "pelorus/math.h"
 
-/* Columns in groups of four: inner loops need no remainder, the pad columns hold zeros. */
-#define STRIDE ((PEL_MAX_STATES + PEL_UD_MAX_NOISE + 3) / 4 * 4)
+#define WIDTH (PEL_MAX_STATES + PEL_UD_MAX_NOISE)
 
 typedef struct {
-    pel_real W[PEL_MAX_STATES][STRIDE];
-    pel_real weight[STRIDE];
-    uint8_t start[PEL_MAX_STATES];   /* first column of a row that may not be zero, a multiple of 4 */
-    int rows;                        /* rows to be made orthogonal; states from here on are untouched */
-    int noise_row[PEL_UD_MAX_NOISE]; /* driven states, descending: noise k is column n + k */
+    pel_real W[PEL_MAX_STATES][WIDTH]; /* columns: noise n_noise - 1 .. 0, then states */
+    pel_real weight[WIDTH];
+    uint8_t start[PEL_MAX_STATES]; /* first state column of a row that may not be zero */
+    int rows;                      /* rows to be treated; states from here on are untouched */
+    int noise_row
+        [PEL_UD_MAX_NOISE]; /* driven states, descending; noise k has column n_noise - 1 - k, next to the states when k = 0 */
     int n_noise;
 } work_t;
 
@@ -40,28 +47,26 @@ static pel_status_t survey(const pel_ud_t *ud, const pel_transition_t *t, work_t
     return PEL_OK;
 }
 
-/* W = [U | I], rows 0..rows-1 */
+/* W = [I | U], rows 0..rows-1 */
 static void fill(const pel_ud_t *ud, const pel_transition_t *t, work_t *w)
 {
     const int n = ud->n;
-    const int width = (n + w->n_noise + 3) / 4 * 4;
+    const int nn = w->n_noise;
     for (int i = 0; i < w->rows; i++) {
         pel_real *row = w->W[i];
-        for (int k = 0; k < i; k++) { row[k] = PEL_R(0.0); }
-        row[i] = PEL_R(1.0);
-        for (int k = n; k < width; k++) { row[k] = PEL_R(0.0); }
-        w->start[i] = (uint8_t)(i & ~3);
+        for (int k = 0; k < nn + i; k++) { row[k] = PEL_R(0.0); }
+        row[nn + i] = PEL_R(1.0);
+        w->start[i] = (uint8_t)i;
     }
     for (int j = 1; j < n; j++) {
         const pel_real *u = &ud->U[column(j)];
         const int end = (j < w->rows) ? j : w->rows;
-        for (int i = 0; i < end; i++) { w->W[i][j] = u[i]; }
+        for (int i = 0; i < end; i++) { w->W[i][nn + j] = u[i]; }
     }
-    for (int k = 0; k < n; k++) { w->weight[k] = ud->D[k]; }
-    for (int k = n; k < width; k++) { w->weight[k] = PEL_R(0.0); }
-    for (int k = 0; k < w->n_noise; k++) {
-        w->W[w->noise_row[k]][n + k] = PEL_R(1.0);
-        w->weight[n + k] = t->q[w->noise_row[k]];
+    for (int k = 0; k < w->rows; k++) { w->weight[nn + k] = ud->D[k]; }
+    for (int k = 0; k < nn; k++) {
+        w->W[w->noise_row[k]][nn - 1 - k] = PEL_R(1.0);
+        w->weight[nn - 1 - k] = t->q[w->noise_row[k]];
     }
 }
 
@@ -72,9 +77,9 @@ static void add_block(const pel_ud_t *ud, int row, int col, const pel_real m[3][
     const pel_real u01 = u[column(col + 1) + col];
     const pel_real u02 = u[column(col + 2) + col];
     const pel_real u12 = u[column(col + 2) + col + 1];
-    pel_real *w0 = w->W[row];
-    pel_real *w1 = w->W[row + 1];
-    pel_real *w2 = w->W[row + 2];
+    pel_real *w0 = &w->W[row][w->n_noise];
+    pel_real *w1 = &w->W[row + 1][w->n_noise];
+    pel_real *w2 = &w->W[row + 2][w->n_noise];
     const pel_real m00 = m[0][0];
     const pel_real m01 = m[0][1];
     const pel_real m02 = m[0][2];
@@ -103,69 +108,94 @@ static void add_block(const pel_ud_t *ud, int row, int col, const pel_real m[3][
         w2[j] += m20 * s[0] + m21 * s[1] + m22 * s[2];
     }
     for (int i = row; i < row + 3; i++) {
-        if ((col & ~3) < (int)w->start[i]) { w->start[i] = (uint8_t)(col & ~3); }
+        if (col < (int)w->start[i]) { w->start[i] = (uint8_t)col; }
     }
 }
 
-static pel_real dot(const pel_real *a, const pel_real *b, int n4)
-{
-    pel_real s0 = PEL_R(0.0);
-    pel_real s1 = PEL_R(0.0);
-    pel_real s2 = PEL_R(0.0);
-    pel_real s3 = PEL_R(0.0);
-    for (int k = 0; k < n4; k += 4) {
-        s0 += a[k] * b[k];
-        s1 += a[k + 1] * b[k + 1];
-        s2 += a[k + 2] * b[k + 2];
-        s3 += a[k + 3] * b[k + 3];
-    }
-    return (s0 + s1) + (s2 + s3);
-}
-
-/* a -= c b */
-static void subtract(pel_real *a, pel_real c, const pel_real *b, int n4)
-{
-    for (int k = 0; k < n4; k += 4) {
-        a[k] -= c * b[k];
-        a[k + 1] -= c * b[k + 1];
-        a[k + 2] -= c * b[k + 2];
-        a[k + 3] -= c * b[k + 3];
-    }
-}
-
-/* Columns of the untouched states: those of Phi U itself; their rows are unit vectors that take the column out of W. */
+/* Columns of the untouched states: those of Phi U itself. Their rows are unit vectors, which take the column out of W. */
 static void trailing_columns(pel_ud_t *ud, const work_t *w)
 {
     for (int j = w->rows; j < ud->n; j++) {
         pel_real *u = &ud->U[column(j)];
-        for (int i = 0; i < w->rows; i++) { u[i] = w->W[i][j]; }
+        for (int i = 0; i < w->rows; i++) { u[i] = w->W[i][w->n_noise + j]; }
     }
 }
 
-/* Gram-Schmidt from the last row to the first. False if a D is not positive. */
-static bool orthogonalise(pel_ud_t *ud, work_t *w)
+/* The rotations of one row applied to two rows above it: the coefficients are loaded once for both. */
+static void rotate_two(pel_real *a, pel_real *b, const pel_real *c, const pel_real *g, int n, pel_real *ua,
+                       pel_real *ub)
 {
-    const int n = ud->n;
-    int active = 0; /* noise columns filled so far */
-    pel_real weighted[STRIDE];
+    pel_real u = *ua;
+    pel_real v = *ub;
+    for (int k = 0; k < n; k++) {
+        const pel_real ck = c[k];
+        const pel_real gk = g[k];
+        const pel_real s = a[k] - ck * u;
+        const pel_real t = b[k] - ck * v;
+        a[k] = s;
+        b[k] = t;
+        u += gk * s;
+        v += gk * t;
+    }
+    *ua = u;
+    *ub = v;
+}
+
+static pel_real rotate_one(pel_real *a, const pel_real *c, const pel_real *g, int n, pel_real u)
+{
+    for (int k = 0; k < n; k++) {
+        const pel_real s = a[k] - c[k] * u;
+        a[k] = s;
+        u += g[k] * s;
+    }
+    return u;
+}
+
+/* Back to triangular form, from the last row to the first. False if a D is not positive. */
+static bool triangularise(pel_ud_t *ud, work_t *w)
+{
+    const int nn = w->n_noise;
+    int active = 0; /* noise columns that are not zero from this row up */
+    pel_real g[WIDTH];
 
     for (int j = w->rows - 1; j >= 0; j--) {
-        if (active < w->n_noise && w->noise_row[active] == j) { active++; }
-        const pel_real *wj = w->W[j];
-        const int from = w->start[j];
-        const int n4 = (n + active + 3) / 4 * 4 - from;
-        for (int k = from; k < from + n4; k++) { weighted[k] = w->weight[k] * wj[k]; }
-        const pel_real D = dot(&wj[from], &weighted[from], n4);
+        if (active < nn && w->noise_row[active] == j) { active++; }
+        const int from = (active > 0) ? nn - active : nn + (int)w->start[j];
+        const int count = nn + j - from;
+        const pel_real *c = &w->W[j][from];
+        pel_real *d = &w->weight[from];
+
+        /* the diagonal is 1 but for terms of second order; a transformation of states may put anything there */
+        const pel_real pivot = w->W[j][nn + j];
+        const pel_real scale = (pivot != PEL_R(0.0)) ? PEL_R(1.0) / pivot : PEL_R(0.0);
+        pel_real D = w->weight[nn + j] * pivot * pivot;
+        for (int k = 0; k < count; k++) {
+            const pel_real dc = d[k] * c[k];
+            const pel_real next = D + dc * c[k];
+            if (!(next > PEL_R(0.0))) { /* D = 0 and c = 0 */
+                g[k] = PEL_R(0.0);
+                continue;
+            }
+            g[k] = dc / next;
+            d[k] *=
+                D /
+                next; /* exactly 1 where nothing happens: D times a reciprocal would be off by a digit, every time the same way */
+            D = next;
+        }
         if (!(D > PEL_R(0.0)) || !pel_isfiniter(D)) { return false; }
         ud->D[j] = D;
-        const pel_real inv = PEL_R(1.0) / D;
+
         pel_real *u = &ud->U[column(j)];
-        for (int i = 0; i < j; i++) {
-            pel_real *wi = w->W[i];
-            const pel_real c = dot(&wi[from], &weighted[from], n4) * inv;
-            u[i] = c;
-            subtract(&wi[from], c, &wj[from], n4);
-            if (from < (int)w->start[i]) { w->start[i] = (uint8_t)from; }
+        int i = 0;
+        for (; i + 2 <= j; i += 2) {
+            u[i] = w->W[i][nn + j] * scale;
+            u[i + 1] = w->W[i + 1][nn + j] * scale;
+            rotate_two(&w->W[i][from], &w->W[i + 1][from], c, g, count, &u[i], &u[i + 1]);
+        }
+        if (i < j) { u[i] = rotate_one(&w->W[i][from], c, g, count, w->W[i][nn + j] * scale); }
+        const int first = (from > nn) ? from - nn : 0;
+        for (i = first + 1; i < j; i++) {
+            if (first < (int)w->start[i]) { w->start[i] = (uint8_t)first; }
         }
     }
     return true;
@@ -193,10 +223,8 @@ pel_status_t pel_ud_time_update(pel_ud_t *ud, const pel_transition_t *t)
     advance_mean(t, ud->x);
     fill(ud, t, &w);
     for (int k = 0; k < t->n_blocks; k++) { add_block(ud, t->block[k].row, t->block[k].col, t->block[k].m, &w); }
-    /* the trailing columns carry nothing into the other rows: their weight is spent */
-    for (int k = w.rows; k < ud->n; k++) { w.weight[k] = PEL_R(0.0); }
     trailing_columns(ud, &w);
-    return orthogonalise(ud, &w) ? PEL_OK : PEL_E_NOT_POSDEF;
+    return triangularise(ud, &w) ? PEL_OK : PEL_E_NOT_POSDEF;
 }
 
 void pel_ud_rank_one(pel_ud_t *ud, int k, pel_real c[], pel_real q)
