@@ -94,8 +94,7 @@ static bool ends(line_t f, const char *suffix)
 /* One column's name; false if it is none of ours. */
 static void name_column(imu_layout_t *l, int column, line_t f, const imu_csv_options_t *o)
 {
-    static const char AXES[] = "xyz";
-    const char *axis = (f.n >= 2) ? memchr(AXES, f.s[1], 3) : NULL;
+    const int axis = (f.n >= 2) ? f.s[1] - 'x' : -1;
     const double accel = (o->accel_unit > 0.0) ? o->accel_unit : 1.0, gyro = (o->gyro_unit > 0.0) ? o->gyro_unit : 1.0;
     int k = -1;
     double unit = 1.0;
@@ -109,9 +108,9 @@ static void name_column(imu_layout_t *l, int column, line_t f, const imu_csv_opt
         k = 0;
         l->time = IMU_TIME_OWN;
         unit = named(f, "ms") ? 1e6 : 1.0;
-    } else if (axis != NULL && (f.s[0] == 'a' || f.s[0] == 'g')) {
+    } else if (axis >= 0 && axis < 3 && (f.s[0] == 'a' || f.s[0] == 'g')) {
         const bool is_accel = (f.s[0] == 'a');
-        k = (is_accel ? 1 : 4) + (int)(axis - AXES);
+        k = (is_accel ? 1 : 4) + axis;
         if (f.n == 2) {
             unit = is_accel ? accel : gyro;
         } else if (is_accel && ends(f, "_g")) {

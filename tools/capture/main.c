@@ -91,26 +91,25 @@ static void take_source(capture_t *c, int line)
     const char *value = c->cli.value;
     const char *colon = strrchr(value, ':');
     if (c->source[line].path != NULL) { cli_fail(&c->cli, "--%s given twice", NAMES[line]); }
-    if (colon == NULL || colon == value) { cli_fail(&c->cli, "--%s %s: wanted FILE:FORMAT", NAMES[line], value); }
+    const size_t n_path = (colon == NULL) ? 0 : (size_t)(colon - value);
+    if (n_path == 0) { cli_fail(&c->cli, "--%s %s: wanted FILE:FORMAT", NAMES[line], value); }
+    const char *name = value + n_path + 1;
     int format = -1;
     for (int i = 0; i < N_FORMATS; i++) {
-        if (strcmp(colon + 1, FORMAT_NAMES[i]) == 0) { format = i; }
+        if (strcmp(name, FORMAT_NAMES[i]) == 0) { format = i; }
     }
     if (format < 0) {
-        const int near = cli_nearest(colon + 1, FORMAT_NAMES, N_FORMATS);
+        const int near = cli_nearest(name, FORMAT_NAMES, N_FORMATS);
         if (near >= 0) {
-            cli_fail(&c->cli, "--%s: no format '%s'; did you mean '%s'?", NAMES[line], colon + 1, FORMAT_NAMES[near]);
+            cli_fail(&c->cli, "--%s: no format '%s'; did you mean '%s'?", NAMES[line], name, FORMAT_NAMES[near]);
         }
-        cli_fail(&c->cli, "--%s: no format '%s' (ubx, rtcm3, novatel, rinex, imu-csv, pelorus)", NAMES[line],
-                 colon + 1);
+        cli_fail(&c->cli, "--%s: no format '%s' (ubx, rtcm3, novatel, rinex, imu-csv, pelorus)", NAMES[line], name);
     }
-    if (!FITS[line][format]) { cli_fail(&c->cli, "--%s cannot be %s (see --help)", NAMES[line], FORMAT_NAMES[format]); }
-    const size_t n = (size_t)(colon - value);
-    char *path = malloc(n + 1);
-    if (path == NULL) { cli_fail(&c->cli, "out of memory"); }
-    memcpy(path, value, n);
-    path[n] = '\0';
-    c->source[line].path = path;
+    if (format >= 0 && !FITS[line][format]) {
+        cli_fail(&c->cli, "--%s cannot be %s (see --help)", NAMES[line], FORMAT_NAMES[format]);
+    }
+    c->source[line].path = strndup(value, n_path);
+    if (c->source[line].path == NULL) { cli_fail(&c->cli, "out of memory"); }
     c->source[line].format = (format_t)format;
 }
 
@@ -313,6 +312,7 @@ static uint64_t report(const capture_t *c, const tally_t *nav)
             fprintf(stderr, "%-10s %7llu %s  %s .. %s  %zu bytes in %zu events%s  (%s)\n", CHANNEL[i],
                     (unsigned long long)s->n, (i == IMU) ? "samples" : "epochs ", from, to, s->line.n_bytes, s->line.n,
                     s->tagged ? ", time tags" : "", s->path);
+            if (verbosity > 0 && s->codes[0] != '\0') { fprintf(stderr, "  codes    %s\n", s->codes); }
             tally_print(&s->tally, stderr, verbosity > 0);
         }
     }

@@ -1,6 +1,7 @@
 #include "rinex_signals.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Order among codes of one carrier that are equally complete. GPS L2: W first, because every satellite has it. */
@@ -156,7 +157,7 @@ void rinex_signals_choose(rinex_obs_t *r)
 {
     for (int s = 0; s < PEL_N_SYS; s++) {
         for (int p = 0; p < RINEX_MAX_PRN; p++) {
-            for (uint8_t c = 0; c < PEL_N_CARRIER; c++) { r->chosen[s][p][c] = choose(s, c, r->score[s][p][c]); }
+            for (int c = 0; c < PEL_N_CARRIER; c++) { r->chosen[s][p][c] = choose(s, (uint8_t)c, r->score[s][p][c]); }
         }
     }
 }
@@ -185,7 +186,7 @@ int rinex_signals_take(rinex_obs_t *r, pel_time_t t, uint8_t sys, uint8_t prn, c
 {
     const bool v2 = r->header.version_100 < 300;
     int taken = 0;
-    for (uint8_t c = 0; c < PEL_N_CARRIER; c++) {
+    for (int c = 0; c < PEL_N_CARRIER; c++) {
         const rinex_signal_t *best = NULL;
         int best_merit = 0, seen = 0;
         for (int i = 0; i < n; i++) {
@@ -222,4 +223,27 @@ int rinex_signals_take(rinex_obs_t *r, pel_time_t t, uint8_t sys, uint8_t prn, c
         set_lock(r, t, o, best->lost_lock);
     }
     return taken;
+}
+
+void rinex_signals_describe(const rinex_obs_t *r, char *out, size_t cap)
+{
+    static const char *const CARRIER[PEL_N_CARRIER] = {"L1", "L2", "L5", "E5b", "E6", "B1I", "B3I"};
+    size_t n = 0;
+    out[0] = '\0';
+    for (int s = 0; s < PEL_N_SYS; s++) {
+        for (int c = 0; c < PEL_N_CARRIER; c++) {
+            int count[26] = {0}, total = 0;
+            for (int p = 0; p < RINEX_MAX_PRN; p++) {
+                if (r->chosen[s][p][c] == '\0') { continue; }
+                count[r->chosen[s][p][c] - 'A']++;
+                total++;
+            }
+            if (total > 0 && n < cap) {
+                n += (size_t)snprintf(out + n, cap - n, "  %c %s", pel_sys_letter((pel_sys_t)s), CARRIER[c]);
+            }
+            for (int i = 0; i < 26; i++) {
+                if (count[i] > 0 && n < cap) { n += (size_t)snprintf(out + n, cap - n, " %c x%d", 'A' + i, count[i]); }
+            }
+        }
+    }
 }

@@ -23,6 +23,9 @@ void rinex_signals_count(rinex_obs_t *r, uint8_t sys, uint8_t prn, const rinex_s
 /* Between the walks: one code for each satellite and carrier. */
 void rinex_signals_choose(rinex_obs_t *r);
 
+/* Which codes were chosen for how many satellites, as text: "  G L1 C x12  G L2 L x2 W x10". */
+void rinex_signals_describe(const rinex_obs_t *r, char *out, size_t cap);
+
 /* Second walk: at most one observation a carrier, with its lock time. Returns how many went into out[room]. */
 int rinex_signals_take(rinex_obs_t *r, pel_time_t t, uint8_t sys, uint8_t prn, const rinex_signal_t *sig, int n,
                        pel_obs_t *out, int room);

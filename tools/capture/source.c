@@ -7,6 +7,7 @@
 #include "pelorus/wire.h"
 #include "raw.h"
 #include "rinex_obs.h"
+#include "rinex_signals.h"
 
 #define UNIX_S_AT_GPS_START 315964800
 #define STATION_EVERY_NS    (30 * PEL_NS_PER_S)
@@ -48,6 +49,7 @@ static bool read_rinex(source_t *s, const int8_t glo_k[33], const char **why)
         ok = rinex_obs_open(r, &s->in, &s->tally, why);
         if (ok) {
             rinex_obs_set_glo_k(r, glo_k);
+            rinex_signals_describe(r, s->codes, sizeof s->codes);
             s->has_station = rinex_header_station(&r->header, s->r_ea_e);
         }
         while (ok && rinex_obs_next(r, e)) {

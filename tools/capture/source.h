@@ -36,6 +36,7 @@ typedef struct {
     pel_time_t tag_late_ns;
     bool has_station; /* RINEX header */
     double r_ea_e[3];
+    char codes[512]; /* RINEX: codes chosen */
 } source_t;
 
 /* Does it need an approximate date before it can be read? */

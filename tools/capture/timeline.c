@@ -30,8 +30,9 @@ static bool add_event(timeline_t *t, pel_time_t t_ns, const uint8_t *data, size_
     const bool ok_bytes = reserve(&bytes, t->n_bytes, &t->cap_bytes, n, 1);
     t->event = events;
     t->bytes = bytes;
-    if (!ok || !ok_bytes) { return false; }
-    if (t->n > 0 && t_ns < t->event[t->n - 1].t_ns) { t_ns = t->event[t->n - 1].t_ns; }
+    if (!ok || !ok_bytes || t->event == NULL || t->bytes == NULL) { return false; }
+    if (t->n > 0 && t_ns < t->last_ns) { t_ns = t->last_ns; }
+    t->last_ns = t_ns;
     memcpy(t->bytes + t->n_bytes, data, n);
     t->event[t->n++] = (timeline_event_t){t_ns, t->n_bytes, (uint32_t)n, frame_ended};
     t->n_bytes += n;
@@ -88,6 +89,7 @@ bool timeline_merge(const timeline_t *line, int n_lines, timeline_sink_t sink, v
             if (at[i] == line[i].n) { continue; }
             if (first < 0 || line[i].event[at[i]].t_ns < line[first].event[at[first]].t_ns) { first = i; }
         }
+        if (first < 0) { break; }
         const timeline_event_t *e = &line[first].event[at[first]++];
         const double fraction = (double)done / (double)total;
         if (!sink(user, first, e->t_ns, line[first].bytes + e->at, e->n, fraction)) { return false; }

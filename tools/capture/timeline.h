@@ -24,6 +24,7 @@ typedef struct {
     size_t n, cap;
     uint8_t *bytes; /* owned */
     size_t n_bytes, cap_bytes;
+    pel_time_t last_ns; /* of the last event */
 } timeline_t;
 
 void timeline_free(timeline_t *t);

@@ -131,6 +131,29 @@ static void records_are_sent_when_a_running_receiver_would_have_them(void)
     free(sent);
 }
 
+/* GPSA, GPSB through subframe 4 page 18, whose steps are 2^-30 .. 2^-24 and 2^11 .. 2^16. */
+static void ionosphere_of_the_header_reaches_the_firmware(void)
+{
+    static const double STEP[8] = {9.4e-10, 7.5e-9, 6.0e-8, 6.0e-8, 2048.0, 16384.0, 65536.0, 65536.0};
+    static pel_receiver_t rx;
+    uint8_t frame[128];
+    pel_rx_event_t event = PEL_RX_NONE;
+    header("3.04", "N: GNSS NAV DATA    M: MIXED");
+    text_header(&text, "GPSA   8.3819E-09  1.4901E-08 -5.9605E-08 -5.9605E-08", "IONOSPHERIC CORR");
+    text_header(&text, "GPSB   8.3968E+04  1.6384E+04 -1.3107E+05 -6.5536E+04", "IONOSPHERIC CORR");
+    text_header(&text, "", "END OF HEADER");
+    read_text();
+    TEST_ASSERT_TRUE(set.klobuchar.valid);
+    const size_t n = pel_ubx_encode_sfrbx_klobuchar(&set.klobuchar, 1, at(22, 6, 30, 0), frame, sizeof frame);
+    pel_receiver_init(&rx);
+    for (size_t i = 0; i < n; i++) { event = pel_receiver_push(&rx, frame[i]); }
+    TEST_ASSERT_EQUAL_INT(PEL_RX_KLOBUCHAR, event);
+    for (int i = 0; i < 4; i++) {
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * STEP[i], (double)set.klobuchar.alpha[i], (double)rx.klobuchar.alpha[i]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.01 * STEP[4 + i], (double)set.klobuchar.beta[i], (double)rx.klobuchar.beta[i]);
+    }
+}
+
 static void no_truncation_and_no_damage_breaks_the_reader(void)
 {
     static text_t whole;
@@ -221,6 +244,7 @@ int main(void)
     RUN_TEST(times_of_each_system_are_gps_time);
     RUN_TEST(glonass_and_unknown_systems_are_counted_and_give_the_channel);
     RUN_TEST(records_are_sent_when_a_running_receiver_would_have_them);
+    RUN_TEST(ionosphere_of_the_header_reaches_the_firmware);
     RUN_TEST(no_truncation_and_no_damage_breaks_the_reader);
     RUN_TEST(recordings_survive_the_frame);
     return UNITY_END();
