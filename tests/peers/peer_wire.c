@@ -158,7 +158,7 @@ static void decode_imu(const char *name)
     for (int c = getc(f); c != EOF; c = getc(f)) {
         const pel_imu_event_t event = pel_imu_stream_push(&imu_stream, (uint8_t)c);
         if (event == PEL_IMU_SAMPLE) {
-            printf("I %" PRId64 " %.9f %.12g %.12g %.12g %.12g %.12g %.12g %u %u\n", m->t_ns, m->dt_s, m->alpha_ib_b[0],
+            printf("I %" PRId64 " %.9f %.17g %.17g %.17g %.17g %.17g %.17g %u %u\n", m->t_ns, m->dt_s, m->alpha_ib_b[0],
                    m->alpha_ib_b[1], m->alpha_ib_b[2], m->upsilon_ib_b[0], m->upsilon_ib_b[1], m->upsilon_ib_b[2],
                    m->seq, m->flags);
         }
@@ -183,10 +183,18 @@ static void write_rawimusx(const char *name)
     fclose(f);
 }
 
+static void print_sentences(const pel_solution_t *s)
+{
+    char text[160];
+    printf("%s", (pel_nmea_gga(s, text, sizeof text) > 0) ? text : "none\n");
+    printf("%s", (pel_nmea_rmc(s, text, sizeof text) > 0) ? text : "none\n");
+    printf("%s", (pel_nmea_hdt(s, text, sizeof text) > 0) ? text : "none\n");
+}
+
+/* One of each kind of fix, forty days apart; then 20 epochs of a fixed rover at 10 Hz. */
 static void write_nmea(void)
 {
     const double deg = 3.14159265358979323846 / 180.0;
-    char text[160];
     for (int i = 0; i < 5; i++) {
         pel_solution_t s = {.t_ns = pel_time_from_week(2388, 345600.25) + i * 86400 * 40 * PEL_NS_PER_S,
                             .fix = (uint8_t)i,
@@ -198,9 +206,20 @@ static void write_nmea(void)
                             .heading_rad = (float)(359.999 * deg * (i == 4)),
                             .base_age_s = 1.5f,
                             .n_sat = 17};
-        printf("%s", (pel_nmea_gga(&s, text, sizeof text) > 0) ? text : "none\n");
-        printf("%s", (pel_nmea_rmc(&s, text, sizeof text) > 0) ? text : "none\n");
-        printf("%s", (pel_nmea_hdt(&s, text, sizeof text) > 0) ? text : "none\n");
+        print_sentences(&s);
+    }
+    for (int i = 0; i < 20; i++) {
+        pel_solution_t s = {.t_ns = pel_time_from_week(2388, 345600.0) + i * 100 * PEL_NS_PER_MS,
+                            .fix = PEL_FIX_FIXED,
+                            .flags = PEL_SOL_HEADING,
+                            .lat_rad = (47.123456789 + 1e-7 * i) * deg,
+                            .lon_rad = -8.987654321 * deg,
+                            .height_m = 432.1234,
+                            .v_ned = {3.0f, -4.0f, 0.5f},
+                            .heading_rad = (float)(123.45 * deg),
+                            .base_age_s = 0.5f,
+                            .n_sat = 17};
+        print_sentences(&s);
     }
 }
 

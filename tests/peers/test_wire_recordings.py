@@ -4,6 +4,7 @@ import datetime
 import json
 
 import pytest
+import rtklib_nav
 from gnss_peer import recording
 from wire_peer import compare_ephemerides, compare_signals, convbin, decode, key, match_epochs, unpacked
 
@@ -103,7 +104,8 @@ def test_rawx_equals_pyubx2(tmp_path):
             for i in range(1, m.numMeas + 1):
                 g = lambda name: getattr(m, f"{name}_{i:02d}")  # noqa: E731
                 if g("prValid") or g("cpValid"):
-                    theirs.append((systems[g("gnssId")], g("svId") - (119 if g("gnssId") == 1 else 0), g("prMes"), g("cpMes"),
+                    theirs.append((systems[g("gnssId")], g("svId") - (119 if g("gnssId") == 1 else 0), g("prMes") * g("prValid"),
+                                   g("cpMes") * g("cpValid"),
                                    single(g("doMes")), g("cno"), g("locktime"),
                                    bool(g("cpValid")) and not g("halfCyc")))
             if not theirs or t not in ours:
@@ -133,12 +135,23 @@ def test_pvt_equals_pyubx2(tmp_path):
         assert abs(a[6] - m.height / 1e3) < 1e-4 and abs(a[7] - m.velN / 1e3) < 1e-4 and abs(a[9] - m.velD / 1e3) < 1e-4
 
 
-def test_klobuchar_is_the_navigation_files(tmp_path):
-    """Galway, 2018-10-09: the receivers' subframe 4 page 18; base and rover heard the same one."""
-    base = decode(unpacked(tmp_path, "galway-walk-20181009", "base-20181009-1220.ubx.gz")).klobuchar
-    rover = decode(unpacked(tmp_path, "galway-walk-20181009", "rover-20181009-1221.ubx.gz")).klobuchar
-    assert base and rover and all(k == base[0] for k in base + rover)
-    assert 0 < base[0][0] < 1e-7 and 5e4 < base[0][4] < 2e5
+def test_klobuchar_equals_rtklib(tmp_path):
+    """Subframe 4 page 18 of each satellite."""
+    path = unpacked(tmp_path, "galway-walk-20181009", "rover-20181009-1221.ubx.gz")
+    ours, theirs = decode(path).klobuchar, list(rtklib_nav.klobuchar(path))
+    print(f"\n{len(ours)} pages, {ours[0]}")
+    assert len(ours) == len(theirs) == 24
+    assert all(abs(x - y) <= 1e-6 * abs(y) for a, b in zip(ours, theirs) for x, y in zip(a, b))
+
+
+@pytest.mark.parametrize("parts", [("ubx-coldstart-2025", "coldstart.ubx.gz"), ("walk-imu-ubx-2025", "gnss_1730.ubx.gz")])
+def test_galileo_inav_equals_rtklib(parts, tmp_path):
+    """convbin does not read these pages; RTKLIB's decoder of their words does."""
+    path = unpacked(tmp_path, *parts)
+    ours, theirs = decode(path).ephemerides, list(rtklib_nav.galileo_ephemerides(path))
+    matched, lost, different = compare_ephemerides(ours, theirs, tolerance=1e-15)
+    print(f"\n{parts[-1]}: {matched} sets of {len({e['prn'] for e in theirs})} satellites equal")
+    assert matched == len(theirs) == sum(e["sys"] == 2 for e in ours) > 0 and not lost and not different
 
 
 def test_station_of_galway_base(tmp_path):

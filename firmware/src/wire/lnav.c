@@ -93,7 +93,7 @@ void pel_lnav_klobuchar_fields(pel_bitio_t *io, pel_klobuchar_t *k, pel_nav_raw_
         pel_io_sf(io, 8, (i < 4) ? ALPHA_POW2[i] : BETA_POW2[i - 4], &v);
         *f = (float)v;
     }
-    pel_io_fill(io, 64, 0); /* UTC polynomial, not used here */
-    pel_io_fill(io, 64, 0);
+    pel_io_fill(io, 24 + 32, 0); /* UTC polynomial and its times, not used here */
+    pel_io_fill(io, 6 * 8 + 14 + 2, 0);
     if (!io->writing) { raw->iode = page; /* the caller tells page 18 by it */ }
 }

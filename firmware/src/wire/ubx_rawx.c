@@ -86,15 +86,16 @@ static bool decode_signal(const uint8_t *m, pel_obs_t *o)
     o->code = s->code;
     o->prn = prn_from_sv(s->sys, m[21]);
     o->glo_k = (s->sys == PEL_SYS_GLO) ? (int8_t)((int)m[23] - 7) : (int8_t)0;
-    o->P_m = pel_le_f64(m);
-    o->L_cyc = pel_le_f64(m + 8);
     o->D_hz = pel_le_f32(m + 16);
     o->lock_ms = (uint32_t)pel_le_u(m + 24, 2);
     o->cn0_dbhz = (float)m[26];
-    /* The message has no flag for a missing Doppler; exactly zero is what encoders of files without Doppler write. */
-    o->flags = (o->D_hz < 0.0f || o->D_hz > 0.0f) ? PEL_OBS_DOPPLER : 0u;
-    if ((trk & PR_VALID) != 0u) { o->flags |= PEL_OBS_CODE; }
+    o->flags = PEL_OBS_DOPPLER;
+    if ((trk & PR_VALID) != 0u) {
+        o->P_m = pel_le_f64(m);
+        o->flags |= PEL_OBS_CODE;
+    }
     if ((trk & CP_VALID) != 0u && (m[28] & 0x0Fu) != CP_STDEV_INVALID) {
+        o->L_cyc = pel_le_f64(m + 8);
         o->flags |= PEL_OBS_PHASE;
         if ((trk & HALF_CYC_RESOLVED) == 0u) { o->flags |= PEL_OBS_HALF_CYCLE; }
     }
