@@ -76,8 +76,9 @@ double pel_sat_group_delay_m(const pel_ephemeris_t *eph, pel_carrier_t carrier);
  * el clamped to >= 3 degrees. */
 double pel_tropo_saastamoinen_m(double lat, double h, double el);
 
-/* Slant delay of the ionosphere on 1575.42 MHz, m (IS-GPS-200 20.3.3.5.2.5); other carriers: times (f1/f)^2. 0 if
- * klobuchar->valid is false. t in GPS time; angles in rad. */
+/* Slant delay of the ionosphere on 1575.42 MHz, m (IS-GPS-200 20.3.3.5.2.5); other carriers: times (f1/f)^2. With
+ * klobuchar->valid false: the same with nominal coefficients, those broadcast on 2005-04-02 (moderate solar activity),
+ * which remove about half of the delay. t in GPS time; angles in rad. 0 if an argument is not finite. */
 double pel_iono_klobuchar_m(const pel_klobuchar_t *k, pel_time_t t_ns, double lat, double lon, double az, double el);
 
 /* ---- what an antenna sees --------------------------------------------------------------------------------------- */
@@ -98,6 +99,7 @@ typedef struct {
     double rho_m;               /* geometric range */
     double rho_rate_mps;        /* its derivative by receive time */
     double clk_m, clk_rate_mps; /* c * satellite clock with relativity, without group delay */
+    float sd_iono_m;            /* of iono_L1_m, what is not common to all satellites, 1 sigma */
     double tropo_m, iono_L1_m;  /* slant delays, >= 0 */
 } pel_sight_t;
 
@@ -193,8 +195,8 @@ typedef struct {
  *  view   out     workspace, and afterwards the view from the solution with the refused satellites marked
  *
  * One code a satellite, on its first carrier in the order L1, B1I, then as numbered. Ionosphere: Klobuchar scaled to the
- * carrier; without its parameters, the difference of two carriers' codes where a satellite has them; else none, and 5 m of
- * extra sigma. One clock a system. If the residuals fail their chi-square test, the satellite with the largest normalised
+ * carrier, nominal where nothing is broadcast; a second carrier is not used for it, because the difference of two codes
+ * would treble their noise. One clock a system. If the residuals fail their chi-square test, the satellite with the largest normalised
  * residual is excluded, max_exclude times at most (Baarda 1968); never below one redundant satellite.
  *
  * Returns PEL_OK; PEL_W_REJECTED (delivered, but the residuals still fail: covariance scaled, treat as doubtful);

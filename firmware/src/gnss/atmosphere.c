@@ -21,6 +21,12 @@ double pel_tropo_saastamoinen_m(double lat, double h, double el)
     return (dry + wet) * 1.001 / pel_sqrt(0.002001 + sin_el * sin_el);
 }
 
+static const pel_klobuchar_t NOMINAL = {
+    .valid = true,
+    .alpha = {1.118e-08f, 1.49e-08f, -5.96e-08f, -5.96e-08f},
+    .beta = {88060.0f, 16380.0f, -196600.0f, -131100.0f},
+};
+
 /* Polynomial of degree 3 in the geomagnetic latitude. */
 static double cubic(const float c[4], double x)
 {
@@ -29,8 +35,9 @@ static double cubic(const float c[4], double x)
 
 double pel_iono_klobuchar_m(const pel_klobuchar_t *k, pel_time_t t_ns, double lat, double lon, double az, double el)
 {
-    if (!k->valid || !pel_isfinite(lat) || !pel_isfinite(lon) || !pel_isfinite(az) || !pel_isfinite(el)) { return 0.0; }
+    if (!pel_isfinite(lat) || !pel_isfinite(lon) || !pel_isfinite(az) || !pel_isfinite(el)) { return 0.0; }
     if (el < 0.0) { el = 0.0; }
+    if (!k->valid) { k = &NOMINAL; }
 
     /* Angles in semicircles as in IS-GPS-200. */
     const double el_sc = el / PEL_PI;

@@ -152,7 +152,7 @@ static bool single_receiver_row(const pair_t *p, const pel_obs_t *obs, const pel
     const double f1 = pel_carrier_hz(PEL_SYS_GPS, PEL_CARRIER_L1, 0);
     const double l1 = PEL_SPEED_OF_LIGHT / f1;
     *d = blank_row(obs, s);
-    const double iono_sd = 0.25 * s->iono_L1_m * sq(d->lambda_m / l1);
+    const double iono_sd = (double)s->sd_iono_m * sq(d->lambda_m / l1);
     d->has_code = r.has_code;
     d->has_phase = r.has_phase;
     d->has_rate = r.has_rate;

@@ -6,11 +6,8 @@
 #include "normal.h"
 #include "view_internal.h"
 
-#define MAX_ITERATIONS     12
-#define ATMOSPHERE_STEP_M  1.0 /* upwards, that is 0.3 mm of zenith delay */
-#define IONO_UNKNOWN_SD_M  5.0
-#define IONO_MODEL_SD      0.25 /* of Klobuchar's delay: its error is half of it, but half of that is common to all */
-#define IONO_FREE_VAR_GAIN 9.0  /* of the L1/L2 combination: 2.55^2 + 1.55^2 */
+#define MAX_ITERATIONS    12
+#define ATMOSPHERE_STEP_M 1.0 /* upwards, that is 0.3 mm of zenith delay */
 
 /* One least-squares problem, position from codes or velocity from Dopplers, with the same search for outliers. */
 typedef struct {
@@ -18,15 +15,14 @@ typedef struct {
     const pel_orbits_t *o;
     const pel_spp_config_t *cfg;
     pel_view_t *view;
-    bool rate;                    /* velocity instead of position */
-    bool sky;                     /* elevations and atmosphere are known */
-    double x[3];                  /* antenna position, or velocity */
-    double r[3];                  /* antenna position of the last atmosphere (code), of the antenna (rate) */
-    double clk[PEL_N_SYS];        /* receiver clock or its rate; in the rate problem [0] serves all systems */
-    int column[PEL_N_SYS];        /* of that clock among the unknowns, -1 none */
-    int16_t obs[PEL_MAX_SATS];    /* observation of each sight, -1 none */
-    int16_t second[PEL_MAX_SATS]; /* code on another carrier, for the ionosphere, -1 none */
-    bool out[PEL_MAX_SATS];       /* refused */
+    bool rate;                 /* velocity instead of position */
+    bool sky;                  /* elevations and atmosphere are known */
+    double x[3];               /* antenna position, or velocity */
+    double r[3];               /* antenna position of the last atmosphere (code), of the antenna (rate) */
+    double clk[PEL_N_SYS];     /* receiver clock or its rate; in the rate problem [0] serves all systems */
+    int column[PEL_N_SYS];     /* of that clock among the unknowns, -1 none */
+    int16_t obs[PEL_MAX_SATS]; /* observation of each sight, -1 none */
+    bool out[PEL_MAX_SATS];    /* refused */
     int n_used;
     int n_out;
     double sse; /* sum of squared residuals in units of sigma */
@@ -52,50 +48,22 @@ static int carrier_rank(const pel_obs_t *obs)
     return (obs->carrier == PEL_CARRIER_B1I) ? 1 : 2 + obs->carrier;
 }
 
-/* The satellite's best-ranked observation with this part, on another carrier than `not_on` (-1: any). -1 if none. */
-static int16_t choose(const pel_epoch_t *e, const pel_sight_t *s, unsigned part, int not_on)
+/* The satellite's best-ranked observation with this part, -1 if none. */
+static int16_t choose(const pel_epoch_t *e, const pel_sight_t *s, unsigned part)
 {
     int16_t best = -1;
     for (int i = 0; i < e->n && i < PEL_MAX_OBS; i++) {
         const pel_obs_t *obs = &e->obs[i];
-        if (obs->sys != s->sys || obs->prn != s->prn || obs->carrier == not_on || !pel_obs_usable(obs, part)) {
-            continue;
-        }
+        if (obs->sys != s->sys || obs->prn != s->prn || !pel_obs_usable(obs, part)) { continue; }
         if (best < 0 || carrier_rank(obs) < carrier_rank(&e->obs[best])) { best = (int16_t)i; }
     }
     return best;
 }
 
-static double ratio_sq(const pel_obs_t *obs)
-{
-    const double f1 = pel_carrier_hz(PEL_SYS_GPS, PEL_CARRIER_L1, 0);
-    const double f = PEL_SPEED_OF_LIGHT / pel_obs_lambda_m(obs);
-    return (f1 * f1) / (f * f);
-}
-
-/* Without broadcast parameters: delay on L1 from two codes of one satellite. */
-static void iono_from_codes(problem_t *p)
-{
-    for (int i = 0; i < p->view->n; i++) {
-        pel_sight_t *s = &p->view->sight[i];
-        if (p->second[i] < 0) { continue; }
-        const pel_obs_t *a = &p->e->obs[p->obs[i]];
-        const pel_obs_t *b = &p->e->obs[p->second[i]];
-        s->iono_L1_m = 0.0; /* so that predictions differ by the group delays alone */
-        const double excess = (b->P_m - pel_sight_code_m(s, b)) - (a->P_m - pel_sight_code_m(s, a));
-        s->iono_L1_m = excess / (ratio_sq(b) - ratio_sq(a));
-    }
-}
-
 static void choose_observations(problem_t *p)
 {
     for (int i = 0; i < p->view->n; i++) {
-        const pel_sight_t *s = &p->view->sight[i];
-        p->second[i] = -1;
-        p->obs[i] = choose(p->e, s, p->rate ? PEL_OBS_DOPPLER : PEL_OBS_CODE, -1);
-        if (!p->rate && p->obs[i] >= 0 && !p->o->klobuchar.valid) {
-            p->second[i] = choose(p->e, s, PEL_OBS_CODE, p->e->obs[p->obs[i]].carrier);
-        }
+        p->obs[i] = choose(p->e, &p->view->sight[i], p->rate ? PEL_OBS_DOPPLER : PEL_OBS_CODE);
     }
 }
 
@@ -112,7 +80,6 @@ static void place(problem_t *p)
     memcpy(p->r, p->x, sizeof p->r);
     p->sky = true;
     pel_view_atmosphere(p->o, p->r, p->view);
-    if (!p->o->klobuchar.valid) { iono_from_codes(p); }
 }
 
 static bool takes_part(const problem_t *p, int i)
@@ -128,13 +95,10 @@ static double variance(const problem_t *p, int i)
     const double law = 0.5 + 0.5 / (sin_el * sin_el);
     if (p->rate) { return p->cfg->doppler_sd_mps * p->cfg->doppler_sd_mps * law; }
 
-    double var = p->cfg->code_sd_m * p->cfg->code_sd_m * law;
-    if (p->second[i] >= 0) { var *= IONO_FREE_VAR_GAIN; }
-    double iono_sd = IONO_MODEL_SD * s->iono_L1_m;
-    if (!p->o->klobuchar.valid) { iono_sd = (p->second[i] >= 0) ? 0.0 : IONO_UNKNOWN_SD_M / pel_max(sin_el, 0.3); }
+    const double iono_sd = (double)s->sd_iono_m;
     const double tropo_sd = 0.05 * s->tropo_m;
     const double eph_sd = (double)s->sd_eph_m;
-    return var + iono_sd * iono_sd + tropo_sd * tropo_sd + eph_sd * eph_sd;
+    return p->cfg->code_sd_m * p->cfg->code_sd_m * law + iono_sd * iono_sd + tropo_sd * tropo_sd + eph_sd * eph_sd;
 }
 
 /* Observation equation of sight i: z = h dx. */
@@ -299,10 +263,7 @@ pel_status_t pel_spp_solve(const pel_epoch_t *e, const pel_orbits_t *o, const pe
     if (!pel_view_near_earth(p.x)) { return PEL_E_GEOMETRY; }
 
     deliver_position(&p, out);
-    for (int i = 0; i < view->n; i++) {
-        view->sight[i].excluded = p.out[i];
-        if (!o->klobuchar.valid) { view->sight[i].iono_L1_m = 0.0; } /* was one epoch's noise, not a model */
-    }
+    for (int i = 0; i < view->n; i++) { view->sight[i].excluded = p.out[i]; }
     solve_velocity(&p, count, out);
     pel_view_apply_mask(cfg->mask_rad, count, view);
     return status;

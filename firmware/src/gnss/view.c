@@ -7,8 +7,11 @@
 #include "group_delay.h"
 #include "view_internal.h"
 
-#define C         PEL_SPEED_OF_LIGHT
-#define URA_TO_SD 0.5f /* broadcast URA is a bound; measured ranging errors are a third of it or less */
+#define C PEL_SPEED_OF_LIGHT
+#define SD_BROADCAST                                                                                                   \
+    0.25f /* of Klobuchar's delay: its error is half of it, and half of that common to all satellites */
+#define SD_NOMINAL 0.5f
+#define URA_TO_SD  0.5f /* broadcast URA is a bound; measured ranging errors are a third of it or less */
 
 bool pel_view_near_earth(const double r_e[3])
 {
@@ -143,6 +146,7 @@ void pel_view_atmosphere(const pel_orbits_t *o, const double r_ea_e[3], pel_view
         s->el_rad = (float)el;
         s->tropo_m = pel_tropo_saastamoinen_m(lat, h, el);
         s->iono_L1_m = pel_iono_klobuchar_m(&o->klobuchar, view->t_ns, lat, lon, az, el);
+        s->sd_iono_m = (o->klobuchar.valid ? SD_BROADCAST : SD_NOMINAL) * (float)s->iono_L1_m;
     }
 }
 

@@ -44,7 +44,7 @@ void sky_init(pel_orbits_t *o)
 scene_t scene_default(void)
 {
     const scene_t s = {
-        .r_e = {-3762000.0, 3633000.0, 3638000.0}, .clk_m = 45000.0, .clk_rate_mps = 20.0, .tropo = true};
+        .r_e = {-3762000.0, 3633000.0, 3638000.0}, .clk_m = 45000.0, .clk_rate_mps = 20.0, .atmosphere = true};
     return s;
 }
 
@@ -113,14 +113,17 @@ void scene_observe(const scene_t *s, const pel_orbits_t *o, pel_time_t t_ns, uns
             obs->D_hz = (float)(-rate / lambda);
         }
     }
-    if (!s->tropo) { return; }
-    /* The library's own model at its own elevation: what is tested with it is the geometry, not the troposphere. */
+    if (!s->atmosphere) { return; }
+    /* The library's own model at its own elevation: what is tested with it is the geometry, not the atmosphere. */
     static pel_view_t view;
     (void)pel_view_compute(e, o, e->t_ns, s->r_e, s->v_e, 0.0, NULL, &view);
     for (int i = 0; i < e->n; i++) {
         const pel_sight_t *sight = pel_view_find(&view, e->obs[i].sys, e->obs[i].prn);
-        const double d = (sight != NULL) ? sight->tropo_m : 0.0;
-        e->obs[i].P_m += d;
-        e->obs[i].L_cyc += d / pel_obs_lambda_m(&e->obs[i]);
+        if (sight == NULL) { continue; }
+        const double lambda = pel_obs_lambda_m(&e->obs[i]);
+        const double l1 = C / 1575.42e6;
+        const double iono = sight->iono_L1_m * (lambda / l1) * (lambda / l1);
+        e->obs[i].P_m += sight->tropo_m + iono;
+        e->obs[i].L_cyc += (sight->tropo_m - iono) / lambda;
     }
 }

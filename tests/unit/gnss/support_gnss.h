@@ -10,7 +10,7 @@
 typedef struct {
     double r_e[3], v_e[3];
     double clk_m, clk_rate_mps; /* c (tag - true time), at the true instant */
-    bool tropo;
+    bool atmosphere;
 } scene_t;
 
 /* 30 GPS, 12 Galileo and 8 BeiDou satellites (5 of them GEO), toe = SKY_T0, with clock offsets and eccentricities. */

@@ -160,17 +160,21 @@ static void a_clock_between_systems_is_solved_for(void)
     TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 1e-2);
 }
 
-static void without_klobuchar_two_carriers_remove_the_ionosphere(void)
+static void the_ionosphere_is_never_ignored(void)
 {
     const scene_t s = scene_default();
+    double with_nominal;
     scene_observe(&s, &o, SKY_T0, GPS, &e);
-    for (int i = 0; i < e.n; i++) { /* 5 to 15 m on L1 */
-        const double ratio = (e.obs[i].carrier == PEL_CARRIER_L1) ? 1.0 : (77.0 / 60.0) * (77.0 / 60.0);
-        e.obs[i].P_m += (5.0 + 0.4 * (double)e.obs[i].prn) * ratio;
-    }
     TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
-    TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 1e-2);
-    for (int i = 0; i < view.n; i++) { TEST_ASSERT_EQUAL_DOUBLE(0.0, view.sight[i].iono_L1_m); }
+    with_nominal = sqrt(out.cov_r_e[0][0]);
+    for (int i = 0; i < view.n; i++) {
+        TEST_ASSERT_TRUE(view.sight[i].iono_L1_m > 1.5 && view.sight[i].sd_iono_m > 0.7f);
+    }
+    o.klobuchar = (pel_klobuchar_t){.valid = true, .alpha = {1e-8f}, .beta = {1e5f}};
+    scene_observe(&s, &o, SKY_T0, GPS, &e);
+    TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+    TEST_ASSERT_TRUE(sqrt(out.cov_r_e[0][0]) < with_nominal); /* broadcast ones are trusted more */
+    TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 1e-3);
 }
 
 static void more_satellites_than_room_are_dropped_and_counted(void)
@@ -235,7 +239,7 @@ int main(void)
     RUN_TEST(faults_are_excluded_three_at_most);
     RUN_TEST(one_wrong_doppler_does_not_move_the_velocity);
     RUN_TEST(a_clock_between_systems_is_solved_for);
-    RUN_TEST(without_klobuchar_two_carriers_remove_the_ionosphere);
+    RUN_TEST(the_ionosphere_is_never_ignored);
     RUN_TEST(more_satellites_than_room_are_dropped_and_counted);
     RUN_TEST(a_view_from_nowhere_is_refused);
     RUN_TEST(moving_a_view_is_computing_it_anew);
