@@ -157,11 +157,13 @@ static pel_amb_problem_t random_epoch(rng_t *r, bool prior, double var_iono)
         }
         for (int f = 0; f < 3; f += 1 + (sys == 1)) {
             pel_amb_group_t *g = &p.group[p.n_groups];
-            *g = (pel_amb_group_t){.sat = (uint8_t)(10 * sys),
+            const int pivot = rng_int(r, 0, n_sat); /* each carrier may have its own */
+            *g = (pel_amb_group_t){.sat = (uint8_t)(10 * sys + pivot),
                                    .mu = lambda[f] * lambda[f] / (LAMBDA1 * LAMBDA1),
                                    .var_phase = 1e-5 * (1 + rng_uniform(r)),
                                    .var_code = 0.2 + rng_uniform(r)};
-            for (int s = 1; s <= n_sat && p.n_rows < PEL_MAX_AMB; s++) {
+            for (int s = 0; s <= n_sat && p.n_rows < PEL_MAX_AMB; s++) {
+                if (s == pivot) { continue; }
                 pel_amb_row_t *row = &p.row[p.n_rows++];
                 *row = (pel_amb_row_t){.group = (uint8_t)p.n_groups,
                                        .sat = (uint8_t)(10 * sys + s),
@@ -172,7 +174,7 @@ static pel_amb_problem_t random_epoch(rng_t *r, bool prior, double var_iono)
                                        .code_m = rng_gauss(r),
                                        .var_phase = 1e-5 * (1 + 3 * rng_uniform(r)),
                                        .var_code = 0.2 + 2 * rng_uniform(r)};
-                for (int k = 0; k < 3; k++) { row->g[k] = -(u[s][k] - u[0][k]); }
+                for (int k = 0; k < 3; k++) { row->g[k] = -(u[s][k] - u[pivot][k]); }
             }
             p.n_groups++;
         }
