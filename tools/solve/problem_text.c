@@ -128,7 +128,7 @@ static void read_covariance(problem_reader_t *r)
 {
     problem_text_t *p = &r->problem;
     const int n = p->n;
-    double *full = malloc((size_t)n * (size_t)n * sizeof(double));
+    double *full = calloc((size_t)n * (size_t)n, sizeof(double));
     bool lower = false;
     if (full == NULL) { abort(); }
     for (int i = 0; i < n; i++) {

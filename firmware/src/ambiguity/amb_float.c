@@ -148,7 +148,7 @@ static double update(epoch_t *e, const double *h, double y, double r)
 /* All codes, group by group: the noise of the pivot is whitened in closed form (S1 section 3). Returns the misfit. */
 static double use_codes(const pel_amb_problem_t *p, epoch_t *e, int *n_code)
 {
-    double sum_h[STATES_MAX];
+    double sum_h[STATES_MAX] = {0.0};
     double sum_y = 0.0;
     double q = 0.0;
     double sq = 0.0;
@@ -164,7 +164,7 @@ static double use_codes(const pel_amb_problem_t *p, epoch_t *e, int *n_code)
             sum_y = 0.0;
             memset(sum_h, 0, sizeof sum_h);
         }
-        double h[STATES_MAX];
+        double h[STATES_MAX] = {0.0};
         for (int j = 0; j < e->k; j++) { h[j] = -sum_h[j]; }
         const sparse_t s = partials(p, e, row, 1.0);
         for (int j = 0; j < s.n; j++) { h[s.index[j]] += s.h[j]; }
@@ -191,7 +191,7 @@ static void form_ambiguities(const pel_amb_problem_t *p, const epoch_t *e, pel_i
         const pel_amb_group_t *g = &p->group[ri->group];
         const sparse_t hi = partials(p, e, ri, -1.0);
         double h[STATES_MAX] = {0};
-        double Ph[STATES_MAX];
+        double Ph[STATES_MAX] = {0.0};
         for (int k = 0; k < hi.n; k++) { h[hi.index[k]] += hi.h[k]; }
         covariance_times(e, h, Ph);
         double rest = ri->phase_m;
