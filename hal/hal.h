@@ -7,6 +7,7 @@
 #define HAL_H
 
 #include "pelorus/navigator.h"
+#include "pelorus/solution.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -60,6 +61,9 @@ void hal_idle(void);
 
 /* The firmware's main loop (hal/main.c): returns when hal_running() says false. Called by start-up code. */
 void firmware_main(void);
+
+/* What the decoder of an input port has counted. */
+const pel_wire_counters_t *firmware_counters(hal_port_t port);
 
 #ifdef __cplusplus
 }

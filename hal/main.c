@@ -119,6 +119,19 @@ static void start(void)
     }
 }
 
+const pel_wire_counters_t *firmware_counters(hal_port_t port)
+{
+    switch (port) {
+    case HAL_PORT_ROVER: return &rover.counters;
+    case HAL_PORT_BASE: return &base.counters;
+    case HAL_PORT_IMU:
+    case HAL_PORT_AUX1:
+    case HAL_PORT_OUT:
+    case HAL_N_PORTS: break;
+    }
+    return &imu_stream.counters;
+}
+
 void firmware_main(void)
 {
     start();

@@ -161,8 +161,10 @@ static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t c
     read_mount(c, cfg);
     read_start(c, cfg);
     read_gnss(c, cfg);
-    static const char *const OTHERS[] = {"scenario", "run",  "place",  "segment", "imu",  "constellation", "rover",
-                                         "base",     "link", "events", "truth",   "time", "atmosphere",    "setup"};
+    /* The rest of a scenario file is the simulator's. */
+    static const char *const OTHERS[] = {"name", "seed", "duration_s", "truth_interval_s", "time", "start", "motion", "wave",
+                                         "leg", "imu", "antenna", "sky", "atmosphere", "rover", "base", "outage", "slip",
+                                         "events", "scenario"};
     for (size_t i = 0; i < sizeof OTHERS / sizeof OTHERS[0]; i++) { config_file_allow(c, OTHERS[i]); }
     return (config_file_check(c, why, cap) == 0) ? 0 : EXIT_USAGE;
 }

@@ -66,6 +66,25 @@ static int check_config(const char *path)
     return code;
 }
 
+/* Bytes that were refused, by port and cause, on standard error. Returns true if there were any. */
+static bool tell_refused(const cli_t *cli)
+{
+    static const struct {
+        const char *name;
+        hal_port_t port;
+    } PORTS[] = {{"imu", HAL_PORT_IMU}, {"rover", HAL_PORT_ROVER}, {"base", HAL_PORT_BASE}};
+    bool any = false;
+    for (size_t i = 0; i < sizeof PORTS / sizeof PORTS[0]; i++) {
+        const pel_wire_counters_t *c = firmware_counters(PORTS[i].port);
+        if (c->bad_checksum + c->bad_length + c->bad_value == 0) { continue; }
+        any = true;
+        if (cli->verbosity < 0) { continue; }
+        fprintf(stderr, "pelorus-sil: %s: refused %u bad checksum, %u bad length, %u bad value; %u frames accepted\n",
+                PORTS[i].name, c->bad_checksum, c->bad_length, c->bad_value, c->frames);
+    }
+    return any;
+}
+
 int main(int argc, char **argv)
 {
     char *command = describe_run(argc, argv);
@@ -90,6 +109,7 @@ int main(int argc, char **argv)
     if (code == 0) {
         firmware_main();
         code = desktop_close();
+        if (code == 0 && tell_refused(&cli)) { code = EXIT_REFUSED; }
     }
     free(command);
     return code;

@@ -24,9 +24,9 @@
 #define PEL_MAX_EPH 64
 #endif
 
-/* Error states of the filter; 4 (or 8) * N * (N + 3) / 2 bytes. */
+/* Error states of the filter, float ambiguities included; 4 (or 8) * N * (N + 3) / 2 bytes. */
 #ifndef PEL_MAX_STATES
-#define PEL_MAX_STATES 24
+#define PEL_MAX_STATES 48
 #endif
 
 /* Integer ambiguities resolved together. */

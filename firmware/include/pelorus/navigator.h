@@ -108,6 +108,25 @@ typedef struct {
     double n, a[2], b[2], aa, bb, dot, cross; /* weighted sums of the mean accelerations of both series */
 } pel_yaw_t;
 
+/* Phases followed from epoch to epoch (navigator/track.c). Private. */
+#ifndef PEL_MAX_TRACKED
+#define PEL_MAX_TRACKED 64
+#endif
+
+typedef struct {
+    uint8_t sys, prn, carrier;
+    bool held;        /* N is an integer that was validated */
+    int16_t state;    /* index of its filter state; -1: held, or the datum of its group */
+    uint16_t epochs;
+    double N;         /* cycles, rover minus base, on the group's datum */
+} pel_tracked_t;
+
+typedef struct {
+    int n;
+    uint8_t misfits;  /* epochs in a row whose held phases did not fit */
+    pel_tracked_t entry[PEL_MAX_TRACKED];
+} pel_track_t;
+
 #define PEL_ROVER_QUEUE 3
 #define PEL_BASE_QUEUE 2
 
@@ -155,6 +174,7 @@ typedef struct pel_navigator_t {
     pel_view_t view_rover, view_base;
     pel_sd_set_t sd;
     pel_ils_t ils;
+    pel_track_t track;
 
     pel_pose_ring_t poses;
     pel_time_t event_t_ns;

@@ -8,6 +8,7 @@
 
 #define GATE_SIGMA PEL_R(6.0)      /* last gate on a whitened row; coarse errors are screened before */
 #define MAX_DOUBTS 8               /* epochs in a row that refuse most of their code: the state is wrong, not the code */
+#define MAX_MISFITS 3              /* epochs in a row whose held integers do not fit: all are released */
 #define MODE_CHANGE_SD_M 3.0       /* a base's coordinates and a single receiver's position differ by this much */
 #define STALE_CLOCK_S 60.0
 
@@ -65,7 +66,10 @@ typedef struct {
     pel_antenna_t ant;
     double P_r[3][3], P_v[3][3]; /* antenna, before the update */
     pel_nav_integers_t ints;
-    int code_used, code_refused, used, phases;
+    pel_nav_phases_t phases;     /* their N, held or float */
+    bool misfit[PEL_MAX_OBS];    /* phase rows that were refused */
+    int code_used, code_refused, used;
+    int held_used, held_refused; /* phase rows with validated integers */
 } update_t;
 
 static double along(const double P[3][3], const double g[3])
@@ -87,18 +91,31 @@ static double median(double *x, int n)
     return (n % 2 != 0) ? x[n / 2] : 0.5 * (x[n / 2 - 1] + x[n / 2]);
 }
 
-/* Coarse errors stand out from the median of their group, whoever the pivot is. Marks them; picks the pivot. -1: none. */
+/* Phases have their own pivot: one whose N is an integer rather than a state, the group's own if possible. -1: none. */
+static int phase_pivot(const pel_navigator_t *nav, const update_t *u, int first, int last)
+{
+    int pivot = -1;
+    for (int i = first; i < last; i++) {
+        if (!u->phases.known[i]) { continue; }
+        const bool better = pivot < 0 || (u->phases.state[pivot] >= 0 && u->phases.state[i] < 0) ||
+                            (nav->sd.sd[i].pivot && u->phases.state[i] < 0);
+        if (better) { pivot = i; }
+    }
+    return pivot;
+}
+
+/* Coarse errors stand out from the median of their group, whoever the pivot is. Marks what to keep; picks the pivot. -1: none. */
 static int screen(const pel_navigator_t *nav, const update_t *u, int first, int last, kind_t kind, bool keep[PEL_MAX_OBS])
 {
     const pel_sd_set_t *set = &nav->sd;
     double x[PEL_MAX_SATS];
     int n = 0;
     for (int i = first; i < last; i++) {
-        keep[i] = has_value(&set->sd[i], kind) && (kind != PHASE || u->ints.fixed[i] || set->sd[i].pivot);
+        keep[i] = has_value(&set->sd[i], kind) && (kind != PHASE || u->phases.known[i]);
         if (keep[i] && n < PEL_MAX_SATS) { x[n++] = value(&set->sd[i], kind); }
     }
     if (n < 2) { return -1; }
-    if (kind == PHASE) { return keep[first] ? first : -1; } /* judged by the integers' own tests */
+    if (kind == PHASE) { return phase_pivot(nav, u, first, last); } /* judged by the integers' own tests and the gate */
     const double middle = median(x, n);
     int pivot = -1;
     for (int i = first; i < last; i++) {
@@ -131,8 +148,9 @@ static void note_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, 
     } else if (kind == PHASE) {
         r->innov_phase_m = innov;
         r->sd_phase_m = s;
-        r->n_fixed = u->ints.N[i];
-        r->flags |= (uint8_t)(used ? (PEL_SAT_PHASE_USED | PEL_SAT_FIXED) : PEL_SAT_EXCLUDED);
+        const bool fixed = u->phases.held[i] && u->phases.held[pivot];
+        r->n_fixed = fixed ? (int32_t)(u->phases.N[i] - u->phases.N[pivot]) : 0;
+        r->flags |= (uint8_t)(!used ? PEL_SAT_EXCLUDED : fixed ? (PEL_SAT_PHASE_USED | PEL_SAT_FIXED) : PEL_SAT_PHASE_USED);
     } else {
         r->innov_doppler_mps = innov;
         r->sd_doppler_mps = s;
@@ -140,17 +158,36 @@ static void note_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, 
     }
 }
 
-static void count_row(pel_navigator_t *nav, update_t *u, kind_t kind, bool used)
+static void count_row(pel_navigator_t *nav, update_t *u, int i, kind_t kind, bool used)
 {
+    const bool held = kind == PHASE && u->phases.held[i];
     if (used) {
         nav->counters.rows_used++;
         u->used++;
         u->code_used += (kind == CODE);
-        u->phases += (kind == PHASE);
+        u->held_used += held;
     } else {
         nav->counters.rows_gated++;
         u->code_refused += (kind == CODE);
+        u->held_refused += held;
+        u->misfit[i] = kind == PHASE;
     }
+}
+
+/* The double difference of satellite i against the pivot as a row; phases carry their N, integer or state. */
+static double make_row(const pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, pel_row_t *row)
+{
+    const pel_sd_t *sd = &nav->sd.sd[i], *p = &nav->sd.sd[pivot];
+    double dd = value(sd, kind) - value(p, kind);
+    if (kind == PHASE) { dd -= sd->lambda_m * (u->phases.N[i] - u->phases.N[pivot]); }
+    if (kind == RATE) {
+        pel_observe_rate(&u->ant, sd, p, dd, row);
+        return dd;
+    }
+    pel_observe_range(&u->ant, sd, p, dd, row);
+    if (kind == PHASE && u->phases.state[i] >= 0) { row->h[u->phases.state[i]] = (pel_real)sd->lambda_m; }
+    if (kind == PHASE && u->phases.state[pivot] >= 0) { row->h[u->phases.state[pivot]] = (pel_real)-sd->lambda_m; }
+    return dd;
 }
 
 /* One kind of measurement of one group: double differences against the pivot, whitened, into the filter. */
@@ -158,32 +195,25 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
 {
     bool keep[PEL_MAX_OBS];
     const int pivot = screen(nav, u, first, last, kind, keep);
-    if (pivot < 0) { return; }
-    const pel_sd_t *p = &nav->sd.sd[pivot];
     pel_whiten_t w;
     pel_row_t row;
-    if (pel_whiten_begin(&w, nav->model.n, (pel_real)variance(p, kind)) != PEL_OK) { return; }
+    if (pivot < 0) { return; }
+    if (pel_whiten_begin(&w, nav->model.n, (pel_real)variance(&nav->sd.sd[pivot], kind)) != PEL_OK) { return; }
     for (int i = first; i < last; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
-        if (i == pivot || !has_value(sd, kind) || (kind == PHASE && !u->ints.fixed[i])) { continue; }
-        double dd = value(sd, kind) - value(p, kind);
-        if (kind == PHASE) { dd -= sd->lambda_m * (double)u->ints.N[i]; }
-        bool used = false;
-        if (keep[i]) {
-            if (kind == RATE) { pel_observe_rate(&u->ant, sd, p, dd, &row); }
-            else { pel_observe_range(&u->ant, sd, p, dd, &row); }
-            const pel_real r_i = (pel_real)variance(sd, kind);
-            pel_real nis = 0;
-            used = pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK &&
-                   pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
-            if (used) {
-                pel_whiten_accept(&w, r_i, row.z, row.h);
-                nav->epoch_solution.nis += (float)nis;
-                nav->epoch_solution.nis_dof++;
-            }
+        if (i == pivot || !has_value(sd, kind) || (kind == PHASE && !u->phases.known[i])) { continue; }
+        const double dd = make_row(nav, u, i, pivot, kind, &row);
+        const pel_real r_i = (pel_real)variance(sd, kind);
+        pel_real nis = 0;
+        const bool used = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK &&
+                          pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
+        if (used) {
+            pel_whiten_accept(&w, r_i, row.z, row.h);
+            nav->epoch_solution.nis += (float)nis;
+            nav->epoch_solution.nis_dof++;
         }
         note_row(nav, u, i, pivot, kind, dd, used);
-        count_row(nav, u, kind, used);
+        count_row(nav, u, i, kind, used);
     }
 }
 
@@ -232,7 +262,7 @@ static void allow_for_correlation(pel_navigator_t *nav, double gap_s)
 }
 
 /* Differences against the base where there is one, else of the rover alone. */
-static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_t *base, double r_ea_e[3], double v_ea_e[3])
+static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base, double r_ea_e[3], double v_ea_e[3])
 {
     if (pel_view_compute(rover, &nav->orbits, rover->t_ns, r_ea_e, v_ea_e, nav->cfg.mask_rad, &nav->counters,
                          &nav->view_rover) != PEL_OK) {
@@ -248,6 +278,7 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_
     aid.sd_m = 0.005 + pel_sqrt((double)pel_ud_cov(&nav->ud, nav->model.first[PEL_BLOCK_VELOCITY],
                                                   nav->model.first[PEL_BLOCK_VELOCITY])) * 2.0 * gap_s;
     pel_slip_check(&nav->slip_rover, rover, &nav->view_rover, nav->ins ? &aid : NULL, &nav->counters);
+    pel_nav_track_drop_slipped(nav, rover);
     bool relative = base != NULL && nav->have_station;
     if (relative) {
         const double age_s = pel_time_diff_s(rover->t_ns, base->t_ns);
@@ -255,6 +286,8 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_
                    pel_sd_form(rover, &nav->view_rover, base, &nav->view_base, &nav->cfg.noise, age_s, &nav->sd) == PEL_OK &&
                    nav->sd.n - nav->sd.n_groups >= 3;
         nav->epoch_solution.base_age_s = (float)age_s;
+        pel_nav_track_drop_slipped(nav, base);
+        for (int i = 0; i < base->n; i++) { base->obs[i].flags &= (uint8_t)~PEL_OBS_SLIP; } /* told once */
     }
     if (!relative) {
         nav->epoch_solution.base_age_s = -1.0f;
@@ -296,6 +329,9 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     nav->doubts = (uint8_t)(doubtful ? nav->doubts + 1 : 0);
     const bool broken = pel_ud_check(&nav->ud) != PEL_OK;
     if (broken) { nav->counters.numeric_faults++; }
+    const bool phases_misfit = u->held_refused > u->held_used;
+    nav->track.misfits = (uint8_t)(phases_misfit ? nav->track.misfits + 1 : 0);
+    if (nav->track.misfits >= MAX_MISFITS) { pel_nav_track_clear(nav); }
     if (!broken && nav->doubts < MAX_DOUBTS) { return; }
     nav->counters.restarts++;
     nav->epoch_solution.flags |= PEL_SOL_RESTARTED;
@@ -305,10 +341,11 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     if (nav->have_spp) { pel_nav_start_gnss(nav, &nav->spp); }
 }
 
-static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base, const update_t *u)
+static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base, update_t *u)
 {
     pel_solution_t *out = &nav->epoch_solution;
-    nav->last_fix = !nav->relative ? PEL_FIX_SPP : (u->phases >= 3) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
+    nav->last_fix = !nav->relative ? PEL_FIX_SPP : (u->held_used >= 3) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
+    if (nav->last_fix == PEL_FIX_FIXED) { u->ints.reason = PEL_INT_OK; }
     nav->counters.epochs_used++;
     nav->epoch_before_ns = nav->last_epoch_ns = nav->at_horizon.t_ns;
     out->int_reason = (uint8_t)u->ints.reason;
@@ -316,7 +353,7 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     out->success_rate = (float)u->ints.success;
     out->search_nodes = (uint16_t)((u->ints.nodes > 65535) ? 65535 : u->ints.nodes);
     out->n_amb = (uint8_t)u->ints.n;
-    out->n_fixed = (uint8_t)u->phases;
+    out->n_fixed = (uint8_t)u->held_used;
     out->n_sat = (uint8_t)satellites_used(nav);
     pel_nav_note_used(nav, rover, base);
     pel_nav_try_start_ins(nav);
@@ -350,7 +387,28 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
     return nav->have_state;
 }
 
-void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_t *base)
+/* Integers of this epoch alone if they can be told; every other phase keeps the N it has, or begins a float one. */
+static void prepare_phases(pel_navigator_t *nav, update_t *u)
+{
+    if (nav->cfg.integers) { pel_nav_resolve(nav, u->P_r, &u->ints); }
+    if (u->ints.reason == PEL_INT_OK) { pel_nav_track_hold(nav, &u->ints); }
+    else { pel_nav_track_begin(nav); }
+    pel_nav_track_lookup(nav, &u->phases);
+    u->ant.n_states = nav->model.n;
+}
+
+/* Refused phases begin anew; float ones that have settled are resolved. */
+static void judge_phases(pel_navigator_t *nav, const update_t *u)
+{
+    for (int i = 0; i < nav->sd.n; i++) {
+        if (u->misfit[i]) { pel_nav_track_drop(nav, &nav->sd.sd[i]); }
+    }
+    pel_nav_integers_t later;
+    memset(&later, 0, sizeof later);
+    if (nav->cfg.integers && u->ints.reason != PEL_INT_OK) { (void)pel_nav_track_resolve(nav, &later); }
+}
+
+void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base)
 {
     bool solved = false;
     pel_time_t t_ns = 0;
@@ -370,9 +428,10 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epo
     pel_nav_antenna_cov(nav, &u.ant, false, u.P_r);
     pel_nav_antenna_cov(nav, &u.ant, true, u.P_v);
     u.ints.reason = PEL_INT_NOT_TRIED;
-    if (nav->relative && nav->cfg.integers) { pel_nav_resolve(nav, u.P_r, &u.ints); }
+    if (nav->relative) { prepare_phases(nav, &u); }
     update_all(nav, &u);
     pel_nav_close_loop(nav);
+    if (nav->relative) { judge_phases(nav, &u); }
     watch_health(nav, &u);
     if (nav->have_state) { finish(nav, rover, base, &u); }
 }

@@ -125,6 +125,7 @@ void pel_nav_close_loop(pel_navigator_t *nav)
             for (int j = 0; j < 3; j++) { s->C_b_e[i][j] = C[i][j]; }
         }
     }
+    pel_nav_track_close_loop(nav);
     for (int i = 0; i < nav->ud.n; i++) { x[i] = 0; }
 }
 

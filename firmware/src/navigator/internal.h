@@ -58,7 +58,7 @@ bool pel_nav_yaw_solve(const pel_navigator_t *nav, double C_b_enu[3][3], double 
 /* ---- epoch.c, integers.c ---- */
 
 /* Use one rover epoch with its base epoch (or NULL). */
-void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, const pel_epoch_t *base);
+void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base);
 
 /* Outcome of the integers of one epoch. */
 typedef struct {
@@ -71,6 +71,38 @@ typedef struct {
 
 /* Resolve the integers of nav->sd with the horizon's position as prior. P_a: covariance of the antenna position, m^2. */
 void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
+
+/* ---- track.c: ambiguities from epoch to epoch ---- */
+
+/* What is known of each phase of nav->sd. */
+typedef struct {
+    bool known[PEL_MAX_OBS];    /* has an N */
+    bool held[PEL_MAX_OBS];     /* and it is a validated integer */
+    int16_t state[PEL_MAX_OBS]; /* its filter state, -1: none */
+    double N[PEL_MAX_OBS];      /* cycles, on the group's datum */
+} pel_nav_phases_t;
+
+/* Forget everything and its states (clear), or after the filter itself was started afresh (forget). */
+void pel_nav_track_clear(pel_navigator_t *nav);
+void pel_nav_track_forget(pel_navigator_t *nav);
+
+/* One phase begins anew. */
+void pel_nav_track_drop(pel_navigator_t *nav, const pel_sd_t *sd);
+
+/* Phases that slipped in this epoch of rover or base start anew. */
+void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e);
+
+/* Hold the integers that a search of this epoch validated. */
+void pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints);
+
+/* Phases without an N get a float one, as filter states. */
+void pel_nav_track_begin(pel_navigator_t *nav);
+
+void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out);
+void pel_nav_track_close_loop(pel_navigator_t *nav);
+
+/* After the update: integers of the float states, if they can be told; the filter is then conditioned on them. */
+bool pel_nav_track_resolve(pel_navigator_t *nav, pel_nav_integers_t *out);
 
 /* ---- output.c ---- */
 

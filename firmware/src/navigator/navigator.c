@@ -61,7 +61,7 @@ static bool base_is_settled(const pel_navigator_t *nav, pel_time_t t_ns)
     return waited;
 }
 
-static const pel_epoch_t *choose_base(const pel_navigator_t *nav, pel_time_t t_ns)
+static pel_epoch_t *choose_base(pel_navigator_t *nav, pel_time_t t_ns)
 {
     int index = 0;
     double age_s = 0.0;
@@ -74,7 +74,7 @@ static const pel_epoch_t *choose_base(const pel_navigator_t *nav, pel_time_t t_n
 
 static void apply_oldest(pel_navigator_t *nav)
 {
-    const pel_epoch_t *base = choose_base(nav, nav->rover[0].t_ns);
+    pel_epoch_t *base = choose_base(nav, nav->rover[0].t_ns);
     if (base == NULL && nav->n_base > 0) { nav->counters.epochs_unpaired++; }
     pel_nav_apply_epoch(nav, &nav->rover[0], base);
     nav->n_rover--;
@@ -122,6 +122,21 @@ void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
     apply_if_due(nav);
 }
 
+/* Slips of a base epoch that no rover epoch has used yet are still news. */
+static void keep_unseen_slips(const pel_navigator_t *nav, pel_epoch_t *newest)
+{
+    if (nav->n_base < 2) { return; }
+    const pel_epoch_t *before = &nav->base[nav->n_base - 2];
+    for (int i = 0; i < before->n; i++) {
+        const pel_obs_t *old = &before->obs[i];
+        if ((old->flags & PEL_OBS_SLIP) == 0) { continue; }
+        for (int j = 0; j < newest->n; j++) {
+            pel_obs_t *o = &newest->obs[j];
+            if (o->sys == old->sys && o->prn == old->prn && o->carrier == old->carrier) { o->flags |= PEL_OBS_SLIP; }
+        }
+    }
+}
+
 void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
     if (nav->n_base > 0 && epoch->t_ns <= nav->base[nav->n_base - 1].t_ns) {
@@ -135,6 +150,7 @@ void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
     pel_epoch_t *kept = &nav->base[nav->n_base++];
     copy_allowed(nav, epoch, kept);
     pel_slip_check(&nav->slip_base, kept, NULL, NULL, &nav->counters);
+    keep_unseen_slips(nav, kept);
     apply_if_due(nav);
 }
 

@@ -61,6 +61,7 @@ static void copy3(const double from[3], double to[3])
 void pel_nav_start_gnss(pel_navigator_t *nav, const pel_spp_t *spp)
 {
     pel_model_gnss(&nav->model, &nav->cfg.imu);
+    pel_nav_track_forget(nav);
     nav->ins = false;
     nav->have_state = true;
     nav->at_horizon.t_ns = spp->t_ns;
@@ -195,6 +196,7 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
 
     pel_real sd[PEL_MAX_STATES];
     pel_model_ins_ecef(&nav->model, &nav->cfg.imu);
+    pel_nav_track_forget(nav);
     for (int i = 0; i < nav->model.n; i++) { sd[i] = PEL_R(1.0); }
     pel_model_sensor_sd(&nav->model, sd);
     nav->errors = (pel_sensor_errors_t){{0}, {0}, {0}};
