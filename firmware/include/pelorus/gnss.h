@@ -65,8 +65,8 @@ typedef struct {
 pel_status_t pel_sat_state(const pel_ephemeris_t *eph, pel_time_t t_ns, double dt_s, pel_sat_state_t *out);
 
 /* What a code on this carrier arrives late by, relative to the broadcast clock, m: subtract it from the pseudorange.
- * GPS, QZSS: TGD scaled by (f1/f)^2 (no ISC terms). Galileo: BGD by the clock's own pair (source). BeiDou: TGD1 on B1I,
- * TGD2 on B2I, 0 on B3I. Carriers for which nothing is broadcast: 0. */
+ * GPS, QZSS: TGD scaled by (f1/f)^2 (no ISC terms). Galileo: BGD by the clock's own pair (source). BeiDou: TGD1 on B1I
+ * and B1C, TGD2 on B2I (BeiDou-2), 0 on B3I. Carriers for which nothing is broadcast: 0. */
 double pel_sat_group_delay_m(const pel_ephemeris_t *eph, pel_carrier_t carrier);
 
 /* ---- atmosphere ------------------------------------------------------------------------------------------------- */
@@ -325,7 +325,8 @@ typedef struct {
  *                 slip_doppler (phase change against mean Doppler), slip_ins (against predicted range change),
  *                 clock_jumps. Each detector counts what it alone sees of the epoch, a phase may appear in several.
  *
- * Thresholds: 5 sigma of 3 mm / sin el phases, 0.05 m/s Doppler, 2 mm/s of ionosphere between carriers, aid->sd_m; never
+ * Thresholds: 5 sigma of 3 mm phases and 0.05 m/s Dopplers, both growing by elevation and below 42 dBHz, 2 mm/s of
+ * ionosphere between carriers (no more than half a cycle together), aid->sd_m, 2 m/s^3 of unknown jerk over Doppler; never
  * below half a cycle for the last two. The common part of all satellites (median) is the receiver's clock and no slip; if
  * it amounts to whole milliseconds a clock jump is counted. A signal seen for the first time, or after more than
  * PEL_SLIP_MAX_GAP_S, is marked as slipped (nothing is known about its integer) without a count.

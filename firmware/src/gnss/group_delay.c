@@ -18,7 +18,16 @@ static double galileo_delay(uint8_t source, double bgd_e5a, double bgd_e5b, pel_
     return (carrier == PEL_CARRIER_L1) ? tau_e1 : 0.0;
 }
 
-double pel_group_delay(uint8_t sys, uint8_t source, double tgd0, double tgd1, pel_carrier_t carrier)
+/* BDS-SIS-ICD-B1I 5.2.4.10: the clock refers to B3I. D1 and D2 say nothing of BeiDou-3's new signals: B1C leaves the
+ * satellite as late as its neighbour B1I within a metre, B2a and B2b (in place of BeiDou-2's B2I) nearly with B3I. */
+static double beidou_delay(uint8_t prn, double tgd1, double tgd2, pel_carrier_t carrier)
+{
+    const bool second_generation = prn <= 18;
+    if (carrier == PEL_CARRIER_B1I || carrier == PEL_CARRIER_L1) { return tgd1; }
+    return (carrier == PEL_CARRIER_E5B && second_generation) ? tgd2 : 0.0;
+}
+
+double pel_group_delay(uint8_t sys, uint8_t prn, uint8_t source, double tgd0, double tgd1, pel_carrier_t carrier)
 {
     if ((unsigned)carrier >= PEL_N_CARRIER) { return 0.0; }
     if (sys == PEL_SYS_GPS || sys == PEL_SYS_QZS) {
@@ -26,15 +35,11 @@ double pel_group_delay(uint8_t sys, uint8_t source, double tgd0, double tgd1, pe
         return given ? tgd0 * carrier_ratio_sq(carrier) : 0.0;
     }
     if (sys == PEL_SYS_GAL) { return galileo_delay(source, tgd0, tgd1, carrier); }
-    if (sys == PEL_SYS_BDS) {
-        if (carrier == PEL_CARRIER_B1I) { return tgd0; }
-        return (carrier == PEL_CARRIER_E5B) ? tgd1 : 0.0;
-    }
-    return 0.0;
+    return (sys == PEL_SYS_BDS) ? beidou_delay(prn, tgd0, tgd1, carrier) : 0.0;
 }
 
 double pel_sat_group_delay_m(const pel_ephemeris_t *eph, pel_carrier_t carrier)
 {
-    return pel_group_delay(eph->sys, eph->source, PEL_SPEED_OF_LIGHT * eph->tgd_s[0],
+    return pel_group_delay(eph->sys, eph->prn, eph->source, PEL_SPEED_OF_LIGHT * eph->tgd_s[0],
                            PEL_SPEED_OF_LIGHT * eph->tgd_s[1], carrier);
 }

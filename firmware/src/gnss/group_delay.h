@@ -4,6 +4,6 @@
 
 #include "pelorus/gnss.h"
 
-double pel_group_delay(uint8_t sys, uint8_t source, double tgd0, double tgd1, pel_carrier_t carrier);
+double pel_group_delay(uint8_t sys, uint8_t prn, uint8_t source, double tgd0, double tgd1, pel_carrier_t carrier);
 
 #endif

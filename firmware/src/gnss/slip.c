@@ -4,7 +4,8 @@
 #include "pelorus/math.h"
 
 #define MS_M           (1e-3 * PEL_SPEED_OF_LIGHT)
-#define PHASE_SD_M     0.003 /* of one phase at the zenith */
+#define PHASE_SD_M     0.003 /* of one phase at the zenith, strong */
+#define CN0_STRONG     42.0  /* dBHz; noise grows below, as of a loop that tracks less power */
 #define DOPPLER_SD_MPS 0.05
 #define IONO_RATE_MPS  0.002 /* between carriers, in a quiet mid-latitude ionosphere 1 mm/s at most */
 #define JERK_MPS3      2.0   /* of the antenna, for the trapezoid over Doppler: jerk dt^3 / 12 */
@@ -50,11 +51,13 @@ static double elapsed_s(const pass_t *p, const pel_slip_entry_t *old)
     return pel_time_diff_s(p->e->t_ns, old->t_ns);
 }
 
-static double phase_sd_m(const pass_t *p, const pel_obs_t *obs)
+/* Noise of this signal over that of a strong one at the zenith: elevation (45 degrees if unknown) and C/N0. */
+static double noise_factor(const pass_t *p, const pel_obs_t *obs)
 {
     const pel_sight_t *s = (p->view != NULL) ? pel_view_find(p->view, obs->sys, obs->prn) : NULL;
-    const double sin_el = (s != NULL) ? pel_max(pel_sin((double)s->el_rad), 0.1) : 0.5;
-    return PHASE_SD_M * pel_sqrt(0.5 + 0.5 / (sin_el * sin_el));
+    const double sin_el = (s != NULL) ? pel_max(pel_sin((double)s->el_rad), 0.1) : 0.7;
+    const double weak_db = (obs->cn0_dbhz > 0.0f) ? pel_max(CN0_STRONG - (double)obs->cn0_dbhz, 0.0) : 0.0;
+    return pel_sqrt(0.5 + 0.5 / (sin_el * sin_el)) * pel_exp(weak_db * 0.115129254649702286); /* 10^(dB/20) */
 }
 
 /* Median of the valid values; 0 with fewer than three, which cannot outvote a slip. */
@@ -108,6 +111,16 @@ static void told_by_receiver(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, pel
     }
 }
 
+/* 5 sigma of two phases in two epochs and the ionosphere's part; no more than half a cycle, where weak signals raise
+ * alarms rather than hide slips. */
+static double geometry_free_limit(const pass_t *p, const pel_obs_t *a, const pel_obs_t *b, double dt_s)
+{
+    const double sd_a = PHASE_SD_M * noise_factor(p, a);
+    const double sd_b = PHASE_SD_M * noise_factor(p, b);
+    const double limit = 5.0 * pel_sqrt(2.0 * (sd_a * sd_a + sd_b * sd_b)) + IONO_RATE_MPS * dt_s;
+    return pel_min(limit, 0.5 * pel_min(pel_obs_lambda_m(a), pel_obs_lambda_m(b)));
+}
+
 /* Two carriers of a satellite see the same range: their difference moves with the ionosphere alone. Which of them slipped
  * is not known, so both are marked. Blind where a cycles on one and b on the other are equally long (77 L1 = 60 L2). */
 static void geometry_free(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, pel_nav_counters_t *count)
@@ -124,8 +137,7 @@ static void geometry_free(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, pel_na
             if (old_a->t_ns != old_b->t_ns) { continue; }
             const double change =
                 (pel_obs_lambda_m(a) * a->L_cyc - old_a->y_m) - (pel_obs_lambda_m(b) * b->L_cyc - old_b->y_m);
-            const double limit = 4.0 * 2.0 * phase_sd_m(p, a) + IONO_RATE_MPS * elapsed_s(p, old_a);
-            if (pel_fabs(change) > limit) {
+            if (pel_fabs(change) > geometry_free_limit(p, a, b, elapsed_s(p, old_a))) {
                 a->flags |= PEL_OBS_SLIP;
                 b->flags |= PEL_OBS_SLIP;
                 count->slip_geometry_free++;
@@ -160,9 +172,11 @@ static uint32_t mark_departures(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, 
         if (!p->valid[i]) { continue; }
         pel_obs_t *obs = &e->obs[i];
         const double dt = elapsed_s(p, &s->entry[p->old[i]]);
-        const double phase_sd = phase_sd_m(p, obs);
+        const double factor = noise_factor(p, obs);
+        const double phase_sd = PHASE_SD_M * factor;
+        const double rate_sd = doppler_sd * factor;
         const double sd =
-            pel_sqrt(2.0 * phase_sd * phase_sd + 0.5 * doppler_sd * doppler_sd * dt * dt + sd_extra_m * sd_extra_m);
+            pel_sqrt(2.0 * phase_sd * phase_sd + 0.5 * rate_sd * rate_sd * dt * dt + sd_extra_m * sd_extra_m);
         const double limit = pel_max(5.0 * sd + jerk * dt * dt * dt / 12.0, 0.5 * pel_obs_lambda_m(obs));
         if (pel_fabs(p->value[i] - common) > limit) {
             obs->flags |= PEL_OBS_SLIP;

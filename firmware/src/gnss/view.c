@@ -197,8 +197,8 @@ static double iono_on_carrier_m(const pel_sight_t *s, const pel_obs_t *obs)
 
 double pel_sight_code_m(const pel_sight_t *s, const pel_obs_t *obs)
 {
-    const double delay =
-        pel_group_delay(s->sys, s->source, (double)s->tgd_m[0], (double)s->tgd_m[1], (pel_carrier_t)obs->carrier);
+    const double delay = pel_group_delay(s->sys, s->prn, s->source, (double)s->tgd_m[0], (double)s->tgd_m[1],
+                                         (pel_carrier_t)obs->carrier);
     return s->rho_m - s->clk_m + s->tropo_m + iono_on_carrier_m(s, obs) + delay;
 }
 

@@ -183,6 +183,9 @@ static void group_delays_belong_to_their_clocks(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, c * 5e-9, pel_sat_group_delay_m(&e, PEL_CARRIER_B1I));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, c * 7e-9, pel_sat_group_delay_m(&e, PEL_CARRIER_E5B));
     TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, pel_sat_group_delay_m(&e, PEL_CARRIER_B3I));
+    e.prn = 30; /* BeiDou-3 */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, c * 5e-9, pel_sat_group_delay_m(&e, PEL_CARRIER_L1));
+    TEST_ASSERT_DOUBLE_WITHIN(1e-9, 0.0, pel_sat_group_delay_m(&e, PEL_CARRIER_E5B));
 }
 
 int main(void)
