@@ -54,7 +54,7 @@ pel_status_t pel_amb_fixed(const pel_amb_problem_t *p, const int64_t *N, double 
     return PEL_OK;
 }
 
-void amb_misfits(const pel_amb_problem_t *p, const int64_t *N, const double b[3], float misfit[PEL_MAX_AMB])
+void pel_amb_misfits(const pel_amb_problem_t *p, const int64_t *N, const double b[3], float misfit[PEL_MAX_AMB])
 {
     for (int i = 0, k = 0; i < p->n_rows; i++) {
         const pel_amb_row_t *row = &p->row[i];

@@ -51,7 +51,7 @@ static void measure_strength(pel_ils_t *s)
     s->adop_cyc = pel_exp(0.5 * (log_sum + pel_log(product)) / s->n);
 }
 
-pel_status_t ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
+pel_status_t pel_ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
 {
     s->n = 0;
     s->stage = PEL_ILS_EMPTY;
@@ -71,11 +71,11 @@ pel_status_t ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
     memset(s->back, 0, sizeof s->back);
     for (int p = 0; p < n; p++) { s->back[p * n + p] = 1; }
 
-    status = ils_factor(s);
-    if (status == PEL_OK) { status = ils_decorrelate(s); }
+    status = pel_ils_factor(s);
+    if (status == PEL_OK) { status = pel_ils_decorrelate(s); }
     if (status == PEL_OK) {
         measure_strength(s);
-        status = ils_first_node(s);
+        status = pel_ils_first_node(s);
     }
     if (status != PEL_OK) {
         s->n = 0;
@@ -91,7 +91,7 @@ pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q,
     if (n < 1 || n > PEL_MAX_AMB) { return PEL_E_RANGE; }
     memcpy(s->LD, Q, (size_t)PEL_TRI(n) * sizeof Q[0]);
     memcpy(s->zhat, a, (size_t)n * sizeof a[0]);
-    return ils_start(s, n, n_best, budget);
+    return pel_ils_start(s, n, n_best, budget);
 }
 
 pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq)

@@ -40,7 +40,7 @@ static void exchange(pel_ils_t *s, int k, int p)
     swap_back_rows(s, k, p);
 }
 
-pel_status_t ils_factor(pel_ils_t *s)
+pel_status_t pel_ils_factor(pel_ils_t *s)
 {
     const int n = s->n;
     for (int i = 0; i < n; i++) { s->mean[i] = tri_row(s->LD, i)[i]; } /* variances, for the pivot test */
@@ -120,7 +120,7 @@ static void swap_neighbours(pel_ils_t *s, int k, double d_new)
     swap_back_rows(s, k - 1, k);
 }
 
-pel_status_t ils_decorrelate(pel_ils_t *s)
+pel_status_t pel_ils_decorrelate(pel_ils_t *s)
 {
     int k = 1;
     s->decorrelated = true;

@@ -52,7 +52,7 @@ static void keep(pel_ils_t *s, double sq)
     memcpy(s->best_z[k], s->z, sizeof s->best_z[k]);
 }
 
-pel_status_t ils_first_node(pel_ils_t *s)
+pel_status_t pel_ils_first_node(pel_ils_t *s)
 {
     s->cost[0] = 0.0;
     memset(s->z, 0, sizeof s->z);

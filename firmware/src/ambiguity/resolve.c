@@ -84,7 +84,7 @@ static void list_misfits(const pel_amb_problem_t *p, const pel_ils_t *s, float m
     int dof;
     for (int i = 0; i < p->n_rows; i++) { misfit[i] = 0.0f; }
     if (pel_ils_get(s, 0, N, NULL) != PEL_OK || pel_amb_fixed(p, N, b, P, &sq, &dof) != PEL_OK) { return; }
-    amb_misfits(p, N, b, misfit);
+    pel_amb_misfits(p, N, b, misfit);
 }
 
 static void deliver(const pel_amb_problem_t *p, const pel_ils_t *s, int64_t *N)

@@ -72,7 +72,7 @@ static void check_position(const pel_amb_problem_t *p, const int64_t *N_sought, 
     if (pel_amb_fixed(p, N_sought, b, P, &sq, &dof) != PEL_OK) { return; }
     float misfit[PEL_MAX_AMB];
     float worst = -1.0f;
-    amb_misfits(p, N_sought, b, misfit);
+    pel_amb_misfits(p, N_sought, b, misfit);
     for (int i = 0; i < p->n_rows; i++) {
         if (p->row[i].integer && misfit[i] > worst) {
             worst = misfit[i];
