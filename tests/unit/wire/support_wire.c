@@ -27,7 +27,7 @@ void support_append(pel_epoch_t *e, pel_sys_t sys, int n)
         o->P_m = 20.2e6 + 123456.789 * (i / 2) + 3.21 * (i % 2) + 1e5 * sys;
         const double lambda = PEL_SPEED_OF_LIGHT / pel_carrier_hz(sys, (pel_carrier_t)o->carrier, o->glo_k);
         o->L_cyc = (o->P_m + 0.123 * i) / lambda;
-        o->D_hz = (float)(-2500.0 + 111.125 * i);
+        o->D_hz = (float)(-(480.0 - 31.25 * (i / 2) + 0.3 * (i % 2)) / lambda);
         o->cn0_dbhz = (float)(35 + i % 16);
         o->lock_ms = (uint32_t)(1000 * i);
         o->flags = PEL_OBS_CODE | PEL_OBS_PHASE | PEL_OBS_DOPPLER;
