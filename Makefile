@@ -24,7 +24,7 @@ bench: all ## instructions per IMU step, row and epoch, beside the budgets
 	@build/bin/pelorus-bench $(ARGS)
 
 replay: all ## replay real recordings, one table
-	@$(PYTHON) tools/replay $(ARGS)
+	@cmake/bootstrap.sh test && $(PYTHON) -m replay $(ARGS)
 
 format: ## clang-format every C and C++ file
 	@git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp' | xargs clang-format -i

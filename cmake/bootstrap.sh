@@ -1,7 +1,7 @@
 #!/bin/bash
 # Fetch what the build needs, by package name: system packages by apt-get, the rest into build/deps.
 #
-#   cmake/bootstrap.sh [GROUP...]     groups: host (default), test, check, firmware
+#   cmake/bootstrap.sh [GROUP...]     groups: host (default), test, check, firmware, bench
 #
 # Says what it installs. Without the right to install it lists the missing packages and fails. A second call with nothing
 # to do returns at once. UNITY_DIR=<a Unity source tree> skips fetching Unity.
@@ -16,6 +16,7 @@ packages_of() {
     test) echo rtklib librtklib1 librtklib-dev gpsd-clients gpsd-tools gpsd procps ;;
     check) echo clang clang-tidy clang-format cppcheck ;;
     firmware) echo gcc-arm-none-eabi libnewlib-arm-none-eabi cmake ninja-build python3 make ;;
+    bench) echo gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm ;;
     *) echo "bootstrap.sh: unknown group '$1'" >&2; exit 2 ;;
     esac
 }
@@ -63,15 +64,19 @@ mkdir -p "$deps"
 exec 9>"$deps/.lock"
 flock 9 # two builds may start at once
 
+recipe=$(cat "$0" "$here/requirements.txt" | sha256sum | cut -c1-16)
+todo=()
+packages=()
 for group in "$@"; do
-    stamp=$deps/.$group.$(cat "$0" "$here/requirements.txt" | sha256sum | cut -c1-16)
-    [ ! -e "$stamp" ] || continue
-    # shellcheck disable=SC2046
-    system_packages $(packages_of "$group")
+    [ -e "$deps/.$group.$recipe" ] || { todo+=("$group"); packages+=($(packages_of "$group")); }
+done
+[ ${#todo[@]} -gt 0 ] || exit 0
+system_packages "${packages[@]}"
+for group in "${todo[@]}"; do
     if [ "$group" = host ]; then
         python_packages
         [ -n "${UNITY_DIR:-}" ] || fetch_unity
     fi
     rm -f "$deps/.$group."*
-    touch "$stamp"
+    touch "$deps/.$group.$recipe"
 done
