@@ -68,7 +68,11 @@ recipe=$(cat "$0" "$here/requirements.txt" | sha256sum | cut -c1-16)
 todo=()
 packages=()
 for group in "$@"; do
-    [ -e "$deps/.$group.$recipe" ] || { todo+=("$group"); packages+=($(packages_of "$group")); }
+    [ -e "$deps/.$group.$recipe" ] || {
+        names=$(packages_of "$group")
+        todo+=("$group")
+        packages+=($names)
+    }
 done
 [ ${#todo[@]} -gt 0 ] || exit 0
 system_packages "${packages[@]}"
