@@ -65,7 +65,7 @@ typedef struct {
 pel_status_t pel_sat_state(const pel_ephemeris_t *eph, pel_time_t t_ns, double dt_s, pel_sat_state_t *out);
 
 /* What a code on this carrier arrives late by, relative to the broadcast clock, m: subtract it from the pseudorange.
- * GPS, QZSS: TGD scaled by (f1/f)^2 (no ISC terms). Galileo: BGD by the clock's own pair (source). BeiDou: TGD1 on B1I
+ * GPS, QZSS: TGD on L1, times (f1/f2)^2 on L2, 0 on L5. Galileo: BGD by the clock's own pair (source). BeiDou: TGD1 on B1I
  * and B1C, TGD2 on B2I (BeiDou-2), 0 on B3I. Carriers for which nothing is broadcast: 0. */
 double pel_sat_group_delay_m(const pel_ephemeris_t *eph, pel_carrier_t carrier);
 
@@ -303,6 +303,8 @@ typedef struct {
 
 typedef struct {
     int n;
+    double
+        phase_sd_m; /* noise of one strong phase at the zenith; pel_slip_init() says 3 mm, the caller may change it */
     pel_slip_entry_t entry[PEL_MAX_OBS];
 } pel_slip_t;
 

@@ -4,7 +4,7 @@
 #include "pelorus/math.h"
 
 #define MS_M           (1e-3 * PEL_SPEED_OF_LIGHT)
-#define PHASE_SD_M     0.003 /* of one phase at the zenith, strong */
+#define PHASE_SD_M     0.003 /* of one phase at the zenith, strong, unless told otherwise */
 #define CN0_STRONG     42.0  /* dBHz; noise grows below, as of a loop that tracks less power */
 #define DOPPLER_SD_MPS 0.05
 #define IONO_RATE_MPS  0.002 /* between carriers, in a quiet mid-latitude ionosphere 1 mm/s at most */
@@ -15,6 +15,7 @@
 typedef struct {
     const pel_epoch_t *e;
     const pel_view_t *view;
+    double phase_sd_m;          /* at the zenith, strong */
     int16_t old[PEL_MAX_OBS];   /* entry of the epoch before, -1 none */
     double value[PEL_MAX_OBS];  /* what a detector looks at; only where valid */
     double sorted[PEL_MAX_OBS]; /* the same, for the median */
@@ -24,6 +25,7 @@ typedef struct {
 void pel_slip_init(pel_slip_t *s)
 {
     memset(s, 0, sizeof *s);
+    s->phase_sd_m = PHASE_SD_M;
 }
 
 static bool has_phase(const pel_obs_t *obs)
@@ -111,14 +113,15 @@ static void told_by_receiver(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, pel
     }
 }
 
-/* 5 sigma of two phases in two epochs and the ionosphere's part; no more than half a cycle, where weak signals raise
- * alarms rather than hide slips. */
+/* 5 sigma of two phases in two epochs and the ionosphere's part; no more than half a cycle (or what strong signals need),
+ * where weak signals raise alarms rather than hide slips. */
 static double geometry_free_limit(const pass_t *p, const pel_obs_t *a, const pel_obs_t *b, double dt_s)
 {
-    const double sd_a = PHASE_SD_M * noise_factor(p, a);
-    const double sd_b = PHASE_SD_M * noise_factor(p, b);
+    const double sd_a = p->phase_sd_m * noise_factor(p, a);
+    const double sd_b = p->phase_sd_m * noise_factor(p, b);
     const double limit = 5.0 * pel_sqrt(2.0 * (sd_a * sd_a + sd_b * sd_b)) + IONO_RATE_MPS * dt_s;
-    return pel_min(limit, 0.5 * pel_min(pel_obs_lambda_m(a), pel_obs_lambda_m(b)));
+    const double half_cycle = 0.5 * pel_min(pel_obs_lambda_m(a), pel_obs_lambda_m(b));
+    return pel_min(limit, pel_max(half_cycle, 10.0 * p->phase_sd_m));
 }
 
 /* Two carriers of a satellite see the same range: their difference moves with the ionosphere alone. Which of them slipped
@@ -173,7 +176,7 @@ static uint32_t mark_departures(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, 
         pel_obs_t *obs = &e->obs[i];
         const double dt = elapsed_s(p, &s->entry[p->old[i]]);
         const double factor = noise_factor(p, obs);
-        const double phase_sd = PHASE_SD_M * factor;
+        const double phase_sd = p->phase_sd_m * factor;
         const double rate_sd = doppler_sd * factor;
         const double sd =
             pel_sqrt(2.0 * phase_sd * phase_sd + 0.5 * rate_sd * rate_sd * dt * dt + sd_extra_m * sd_extra_m);
@@ -283,7 +286,7 @@ void pel_slip_check(pel_slip_t *s, pel_epoch_t *e, const pel_view_t *view, const
                     pel_nav_counters_t *count)
 {
     pel_nav_counters_t unheard;
-    pass_t p = {.e = e, .view = view};
+    pass_t p = {.e = e, .view = view, .phase_sd_m = s->phase_sd_m};
     if (count == NULL) {
         memset(&unheard, 0, sizeof unheard);
         count = &unheard;

@@ -17,6 +17,8 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
     pel_orbits_init(&nav->orbits);
     pel_slip_init(&nav->slip_rover);
     pel_slip_init(&nav->slip_base);
+    nav->slip_rover.phase_sd_m = pel_sqrt(cfg->noise.phase_a_m * cfg->noise.phase_a_m + cfg->noise.phase_b_m * cfg->noise.phase_b_m);
+    nav->slip_base.phase_sd_m = nav->slip_rover.phase_sd_m;
     pel_imu_ring_init(&nav->ring);
     pel_nav_reset_alignment(nav);
 }
