@@ -3,8 +3,8 @@
  * U is unit upper triangular, packed by columns without its diagonal; D > 0. Every update is one scalar row; correlated
  * measurements are whitened before (observe.h). Nothing here knows what a state means.
  * Closed loop: after the rows of an epoch the navigator subtracts x from its state and clears x.
- * Sources: Bierman (1977), Factorization Methods for Discrete Sequential Estimation, ch. V; Thornton (1976), JPL TM 33-798
- * (weighted Gram-Schmidt); Agee and Turner (1972), rank-one update. */
+ * Sources: Bierman (1977), Factorization Methods for Discrete Sequential Estimation, ch. V and VI; Agee and Turner (1972), rank-one
+ * update; Gentleman (1973), J. IMA 12, scaled rotations. */
 #ifndef PELORUS_FILTER_H
 #define PELORUS_FILTER_H
 
@@ -20,7 +20,10 @@ extern "C" {
 /* Most states that white noise may drive directly in one pel_ud_time_update(). */
 #define PEL_UD_MAX_NOISE 12
 
-/* 1300 bytes in float at PEL_MAX_STATES = 24. Callers may read every field and write x. */
+/* Most states, counted from the first, that a pel_ud_time_update() may touch; those after them (ambiguities) stand still. */
+#define PEL_UD_MAX_MOVING 24
+
+/* 1300 bytes in float at PEL_MAX_STATES = 24, 4900 at 48. Callers may read every field and write x. */
 typedef struct {
     int n;                     /* states in use */
     pel_real U[PEL_UD_PACKED]; /* element (i, j), i < j, at j (j - 1) / 2 + i */
@@ -42,10 +45,12 @@ pel_status_t pel_ud_set_variance(pel_ud_t *ud, int i, pel_real var);
 
 /* ---- time -------------------------------------------------------------------------------------------------------------- */
 
-/* P = Phi P Phi' + Q, x = Phi x. PEL_E_RANGE if sizes differ or more than PEL_UD_MAX_NOISE states have noise;
- * PEL_E_NOT_POSDEF (ud unusable: restart it) if a D is no longer > 0 or not finite.
- * Cost: weighted Gram-Schmidt on the rows that Phi or Q touches; trailing untouched states cost nothing. 18 states of S5: about
- * 5 600 multiply-adds. Stack about 3.2 KB at 24 states. */
+/* P = Phi P Phi' + Q, x = Phi x.
+ *
+ * PEL_E_RANGE (ud unchanged) if sizes differ, a state beyond PEL_UD_MAX_MOVING is touched or more than PEL_UD_MAX_NOISE states have
+ * noise; PEL_E_NOT_POSDEF (ud unusable: restart it) if a D is no longer > 0 or not finite.
+ * Cost: rotations for every element left of a touched row's diagonal; 18 states of S5: about 3 900 multiply-adds in 1 940 pairs, 230
+ * divisions. Untouched states at the end cost only their columns. Stack about 4 KB in float. */
 pel_status_t pel_ud_time_update(pel_ud_t *ud, const pel_transition_t *t);
 
 /* P = (I + diag(decay)) P (I + diag(decay))' + diag(q): Markov states (pel_model_slow). x decays too. decay > -1, q >= 0. */

@@ -11,8 +11,8 @@ pel_status_t pel_ud_init(pel_ud_t *ud, int n, const pel_real sd[])
     }
     ud->n = n;
     for (int k = 0; k < PEL_UD_PACKED; k++) { ud->U[k] = PEL_R(0.0); }
-    for (int i = 0; i < n; i++) {
-        ud->D[i] = sd[i] * sd[i];
+    for (int i = 0; i < PEL_MAX_STATES; i++) {
+        ud->D[i] = (i < n) ? sd[i] * sd[i] : PEL_R(0.0);
         ud->x[i] = PEL_R(0.0);
     }
     return PEL_OK;

@@ -14,13 +14,13 @@
 #include "pelorus/filter.h"
 #include "pelorus/math.h"
 
-#define WIDTH (PEL_MAX_STATES + PEL_UD_MAX_NOISE)
+#define WIDTH (PEL_UD_MAX_MOVING + PEL_UD_MAX_NOISE)
 
 typedef struct {
-    pel_real W[PEL_MAX_STATES][WIDTH]; /* columns: noise n_noise - 1 .. 0, then states */
+    pel_real W[PEL_UD_MAX_MOVING][WIDTH]; /* columns: noise n_noise - 1 .. 0, then states */
     pel_real weight[WIDTH];
-    uint8_t start[PEL_MAX_STATES]; /* first state column of a row that may not be zero */
-    int rows;                      /* rows to be treated; states from here on are untouched */
+    uint8_t start[PEL_UD_MAX_MOVING]; /* first state column of a row that may not be zero */
+    int rows;                         /* rows to be treated; states from here on are untouched */
     int noise_row
         [PEL_UD_MAX_NOISE]; /* driven states, descending; noise k has column n_noise - 1 - k, next to the states when k = 0 */
     int n_noise;
@@ -44,13 +44,12 @@ static pel_status_t survey(const pel_ud_t *ud, const pel_transition_t *t, work_t
             if (i + 1 > w->rows) { w->rows = i + 1; }
         }
     }
-    return PEL_OK;
+    return (w->rows <= PEL_UD_MAX_MOVING) ? PEL_OK : PEL_E_RANGE;
 }
 
 /* W = [I | U], rows 0..rows-1 */
 static void fill(const pel_ud_t *ud, const pel_transition_t *t, work_t *w)
 {
-    const int n = ud->n;
     const int nn = w->n_noise;
     for (int i = 0; i < w->rows; i++) {
         pel_real *row = w->W[i];
@@ -58,10 +57,9 @@ static void fill(const pel_ud_t *ud, const pel_transition_t *t, work_t *w)
         row[nn + i] = PEL_R(1.0);
         w->start[i] = (uint8_t)i;
     }
-    for (int j = 1; j < n; j++) {
+    for (int j = 1; j < w->rows; j++) {
         const pel_real *u = &ud->U[column(j)];
-        const int end = (j < w->rows) ? j : w->rows;
-        for (int i = 0; i < end; i++) { w->W[i][nn + j] = u[i]; }
+        for (int i = 0; i < j; i++) { w->W[i][nn + j] = u[i]; }
     }
     for (int k = 0; k < w->rows; k++) { w->weight[nn + k] = ud->D[k]; }
     for (int k = 0; k < nn; k++) {
@@ -70,13 +68,10 @@ static void fill(const pel_ud_t *ud, const pel_transition_t *t, work_t *w)
     }
 }
 
-/* W rows row..row+2 += m (U rows col..col+2). The corner of U has ones on its diagonal and zeros below. */
+/* W rows row..row+2 += m (U rows col..col+2), columns before w->rows. The corner of U has ones on its diagonal and zeros below. */
 static void add_block(const pel_ud_t *ud, int row, int col, const pel_real m[3][3], work_t *w)
 {
     const pel_real *u = ud->U;
-    const pel_real u01 = u[column(col + 1) + col];
-    const pel_real u02 = u[column(col + 2) + col];
-    const pel_real u12 = u[column(col + 2) + col + 1];
     pel_real *w0 = &w->W[row][w->n_noise];
     pel_real *w1 = &w->W[row + 1][w->n_noise];
     pel_real *w2 = &w->W[row + 2][w->n_noise];
@@ -90,18 +85,17 @@ static void add_block(const pel_ud_t *ud, int row, int col, const pel_real m[3][
     const pel_real m21 = m[2][1];
     const pel_real m22 = m[2][2];
 
-    w0[col] += m00;
-    w1[col] += m10;
-    w2[col] += m20;
-    w0[col + 1] += m00 * u01 + m01;
-    w1[col + 1] += m10 * u01 + m11;
-    w2[col + 1] += m20 * u01 + m21;
-    w0[col + 2] += m00 * u02 + m01 * u12 + m02;
-    w1[col + 2] += m10 * u02 + m11 * u12 + m12;
-    w2[col + 2] += m20 * u02 + m21 * u12 + m22;
-
+    for (int j = col; j < col + 3 && j < w->rows; j++) {
+        const pel_real *s = u + column(j) + col;
+        const pel_real s0 = (j > col) ? s[0] : PEL_R(1.0);
+        const pel_real s1 = (j > col + 1) ? s[1] : ((j == col + 1) ? PEL_R(1.0) : PEL_R(0.0));
+        const pel_real s2 = (j == col + 2) ? PEL_R(1.0) : PEL_R(0.0);
+        w0[j] += m00 * s0 + m01 * s1 + m02 * s2;
+        w1[j] += m10 * s0 + m11 * s1 + m12 * s2;
+        w2[j] += m20 * s0 + m21 * s1 + m22 * s2;
+    }
     const pel_real *s = u + column(col + 2) + col; /* rows col.. of column j - 1; column j lies j - 1 further */
-    for (int j = col + 3; j < ud->n; j++) {
+    for (int j = col + 3; j < w->rows; j++) {
         s += j - 1;
         w0[j] += m00 * s[0] + m01 * s[1] + m02 * s[2];
         w1[j] += m10 * s[0] + m11 * s[1] + m12 * s[2];
@@ -112,12 +106,25 @@ static void add_block(const pel_ud_t *ud, int row, int col, const pel_real m[3][
     }
 }
 
-/* Columns of the untouched states: those of Phi U itself. Their rows are unit vectors, which take the column out of W. */
-static void trailing_columns(pel_ud_t *ud, const work_t *w)
+/* Columns of the untouched states become those of Phi U. Their rows are unit vectors: nothing else of P changes with them. */
+static void trailing_columns(pel_ud_t *ud, const pel_transition_t *t, int rows)
 {
-    for (int j = w->rows; j < ud->n; j++) {
+    for (int j = rows; j < ud->n; j++) {
         pel_real *u = &ud->U[column(j)];
-        for (int i = 0; i < w->rows; i++) { u[i] = w->W[i][w->n_noise + j]; }
+        pel_real old[PEL_MAX_STATES + 2]; /* the column with its diagonal, and zeros for blocks that reach beyond it */
+        for (int i = 0; i < j; i++) { old[i] = u[i]; }
+        old[j] = PEL_R(1.0);
+        old[j + 1] = PEL_R(0.0);
+        old[j + 2] = PEL_R(0.0);
+        for (int k = 0; k < t->n_blocks; k++) {
+            if ((int)t->block[k].col > j) { continue; }
+            const pel_real *s = &old[t->block[k].col];
+            pel_real *to = &u[t->block[k].row];
+            for (int i = 0; i < 3; i++) {
+                const pel_real *m = t->block[k].m[i];
+                to[i] += m[0] * s[0] + m[1] * s[1] + m[2] * s[2];
+            }
+        }
     }
 }
 
@@ -223,7 +230,7 @@ pel_status_t pel_ud_time_update(pel_ud_t *ud, const pel_transition_t *t)
     advance_mean(t, ud->x);
     fill(ud, t, &w);
     for (int k = 0; k < t->n_blocks; k++) { add_block(ud, t->block[k].row, t->block[k].col, t->block[k].m, &w); }
-    trailing_columns(ud, &w);
+    trailing_columns(ud, t, w.rows);
     return triangularise(ud, &w) ? PEL_OK : PEL_E_NOT_POSDEF;
 }
 

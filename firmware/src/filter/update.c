@@ -3,45 +3,73 @@
 #include "pelorus/filter.h"
 #include "pelorus/math.h"
 
-/* f_j = (U' h)_j of columns first..n-1: all that a row with zeros before `first` can see. */
+/* f_j = (U' h)_j for j = first..n-1, rows before `first` being zero. Two columns and two rows at a time: half of the loads of h, a
+ * quarter of the loop's own cost. */
 static void project(const pel_ud_t *ud, const pel_real h[], int first, pel_real f[])
 {
-    for (int j = first; j < ud->n; j++) {
+    const int n = ud->n;
+    int j = first;
+    for (; j + 2 <= n; j += 2) {
+        const pel_real *u = &ud->U[column(j) + first];
+        const pel_real *v = u + j; /* column j + 1 */
+        const pel_real *p = &h[first];
+        pel_real a = PEL_R(0.0);
+        pel_real b = PEL_R(0.0);
+        for (const pel_real *end = &h[j]; p != end; p += 2) { /* j - first is even */
+            a += u[0] * p[0] + u[1] * p[1];
+            b += v[0] * p[0] + v[1] * p[1];
+            u += 2;
+            v += 2;
+        }
+        f[j] = p[0] + a;
+        f[j + 1] = p[1] + (b + v[0] * p[0]);
+    }
+    if (j < n) {
         const pel_real *u = &ud->U[column(j)];
-        pel_real sum = h[j];
-        for (int i = first; i < j; i++) { sum += u[i] * h[i]; }
-        f[j] = sum;
+        pel_real a = h[j];
+        for (int i = first; i < j; i++) { a += u[i] * h[i]; }
+        f[j] = a;
     }
 }
 
-/* Column j of U and the gain so far, rows 0..j-1: u' = u + lambda g, g' = g + g_j u. Four rows at a time because the
- * loop's own cost is a third of a single row's. */
-static void fold_column(pel_real *u, pel_real *g, int j, pel_real lambda, pel_real gj)
+/* Column j of U and the gain so far, rows 0..j-1: u' = u + lambda g, g' = g + g_j u (Bierman 1977, V.3). */
+static void fold_one(pel_real *u, pel_real *g, int j, pel_real lambda)
 {
-    int i = 0;
-    for (; i + 4 <= j; i += 4) {
-        const pel_real u0 = u[i];
-        const pel_real u1 = u[i + 1];
-        const pel_real u2 = u[i + 2];
-        const pel_real u3 = u[i + 3];
-        const pel_real g0 = g[i];
-        const pel_real g1 = g[i + 1];
-        const pel_real g2 = g[i + 2];
-        const pel_real g3 = g[i + 3];
-        u[i] = u0 + lambda * g0;
-        u[i + 1] = u1 + lambda * g1;
-        u[i + 2] = u2 + lambda * g2;
-        u[i + 3] = u3 + lambda * g3;
-        g[i] = g0 + gj * u0;
-        g[i + 1] = g1 + gj * u1;
-        g[i + 2] = g2 + gj * u2;
-        g[i + 3] = g3 + gj * u3;
-    }
-    for (; i < j; i++) {
+    const pel_real gj = g[j];
+    for (int i = 0; i < j; i++) {
         const pel_real old = u[i];
         u[i] = old + lambda * g[i];
         g[i] += gj * old;
     }
+}
+
+/* The same for columns j and j + 1 with j even, two rows at a time: the gain is loaded and stored once for both columns. */
+static void fold_two(pel_real *u, pel_real *g, int j, pel_real lambda_u, pel_real lambda_v)
+{
+    pel_real *v = u + j;
+    const pel_real gu = g[j];
+    const pel_real gv = g[j + 1];
+    for (const pel_real *end = v; u != end; u += 2) {
+        const pel_real u0 = u[0];
+        const pel_real u1 = u[1];
+        const pel_real v0 = v[0];
+        const pel_real v1 = v[1];
+        const pel_real a0 = g[0];
+        const pel_real a1 = g[1];
+        const pel_real b0 = a0 + gu * u0;
+        const pel_real b1 = a1 + gu * u1;
+        u[0] = u0 + lambda_u * a0;
+        u[1] = u1 + lambda_u * a1;
+        v[0] = v0 + lambda_v * b0;
+        v[1] = v1 + lambda_v * b1;
+        g[0] = b0 + gv * v0;
+        g[1] = b1 + gv * v1;
+        v += 2;
+        g += 2;
+    }
+    const pel_real old = v[0]; /* row j, where the gain is still gu */
+    v[0] = old + lambda_v * gu;
+    g[0] = gu + gv * old;
 }
 
 pel_status_t pel_ud_update(pel_ud_t *ud, const pel_real h[], int first, pel_real z, pel_real var, pel_real gate,
@@ -71,11 +99,19 @@ pel_status_t pel_ud_update(pel_ud_t *ud, const pel_real h[], int first, pel_real
     for (int i = 0; i < first; i++) { g[i] = PEL_R(0.0); }
     pel_real a = var; /* alpha over the columns before j */
     for (int j = first; j < n; j++) {
-        const pel_real a_next = a + f[j] * g[j];
-        ud->D[j] *= a / a_next;
-        fold_column(&ud->U[column(j)], g, j, -f[j] / a, g[j]);
-        a = a_next;
+        const pel_real next = a + f[j] * g[j];
+        ud->D[j] *= a / next;
+        f[j] = -f[j] / a; /* lambda */
+        a = next;
     }
+    int j = first;
+    if ((j & 1) != 0) {
+        fold_one(&ud->U[column(j)], g, j, f[j]);
+        j++;
+    }
+    for (; j + 2 <= n; j += 2) { fold_two(&ud->U[column(j)], g, j, f[j], f[j + 1]); }
+    if (j < n) { fold_one(&ud->U[column(j)], g, j, f[j]); }
+
     const pel_real k = innov / a;
     for (int i = 0; i < n; i++) { ud->x[i] += g[i] * k; }
     return PEL_OK;

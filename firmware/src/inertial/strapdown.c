@@ -17,74 +17,117 @@ static double coning_factor(double T1, double T2)
     return (T1 > 0.0) ? T2 * T2 / (6.0 * T1 * (T1 + T2)) : 0.0;
 }
 
+/* y += a x. Written out, like all of this file's vector work: loops of three cost as much as their content. */
+static inline void add_scaled(double y[3], double a, const double x[3])
+{
+    y[0] += a * x[0];
+    y[1] += a * x[1];
+    y[2] += a * x[2];
+}
+
+static inline void copy3(double to[3], const double from[3])
+{
+    to[0] = from[0];
+    to[1] = from[1];
+    to[2] = from[2];
+}
+
 /* An increment much shorter than its predecessor (one cut at a GNSS epoch) would give a poor rate: it is joined to it. */
 static void remember(pel_coning_t *c, const double alpha[3], const double upsilon[3], double dt_s)
 {
-    const bool join = dt_s < 0.5 * c->dt_s;
-    for (int i = 0; i < 3; i++) {
-        c->alpha[i] = join ? c->alpha[i] + alpha[i] : alpha[i];
-        c->upsilon[i] = join ? c->upsilon[i] + upsilon[i] : upsilon[i];
+    if (dt_s < 0.5 * c->dt_s) {
+        add_scaled(c->alpha, 1.0, alpha);
+        add_scaled(c->upsilon, 1.0, upsilon);
+        c->dt_s += dt_s;
+    } else {
+        copy3(c->alpha, alpha);
+        copy3(c->upsilon, upsilon);
+        c->dt_s = dt_s;
     }
-    c->dt_s = join ? c->dt_s + dt_s : dt_s;
+}
+
+/* Rotation vector of the body over the step, and its specific-force increment resolved in the body axes at the start:
+ *     phi = alpha + k alpha' x alpha
+ *     dv = upsilon + alpha x upsilon / 2 + alpha x (alpha x upsilon) / 6 + k (alpha' x upsilon + upsilon' x alpha)
+ * with ' the previous increment. */
+static inline void correct_increments(const pel_coning_t *c, double k, const double alpha[3], const double upsilon[3],
+                                      double phi[3], double dv[3])
+{
+    double w[3];
+    double x[3];
+    copy3(phi, alpha);
+    pel_cross3(c->alpha, alpha, x);
+    add_scaled(phi, k, x);
+
+    copy3(dv, upsilon);
+    pel_cross3(alpha, upsilon, w);
+    add_scaled(dv, 0.5, w);
+    pel_cross3(alpha, w, x);
+    add_scaled(dv, 1.0 / 6.0, x);
+    pel_cross3(c->alpha, upsilon, w);
+    pel_cross3(c->upsilon, alpha, x);
+    dv[0] += k * (w[0] + x[0]);
+    dv[1] += k * (w[1] + x[1]);
+    dv[2] += k * (w[2] + x[2]);
+}
+
+/* C <- Rz(-turn) C exp([phi x]); the series of sine and cosine of the turn are exact up to 10 s. */
+static inline void turn_attitude(double C_b_e[3][3], const double phi[3], double turn)
+{
+    double R[3][3];
+    double x[3];
+    double y[3];
+    pel_rotvec_to_dcm(phi, R);
+    const double cos_t = 1.0 - 0.5 * turn * turn;
+    const double sin_t = turn * (1.0 - (1.0 / 6.0) * turn * turn);
+    pel_mat3_tvec(R, C_b_e[0], x); /* rows of C R */
+    pel_mat3_tvec(R, C_b_e[1], y);
+    C_b_e[0][0] = cos_t * x[0] + sin_t * y[0];
+    C_b_e[0][1] = cos_t * x[1] + sin_t * y[1];
+    C_b_e[0][2] = cos_t * x[2] + sin_t * y[2];
+    C_b_e[1][0] = cos_t * y[0] - sin_t * x[0];
+    C_b_e[1][1] = cos_t * y[1] - sin_t * x[1];
+    C_b_e[1][2] = cos_t * y[2] - sin_t * x[2];
+    pel_mat3_tvec(R, C_b_e[2], x);
+    copy3(C_b_e[2], x);
 }
 
 void pel_strapdown_step(pel_strapdown_t *s, pel_coning_t *c, const double alpha[3], const double upsilon[3],
                         double dt_s, pel_time_t t_end)
 {
-    const double k = coning_factor(c->dt_s, dt_s);
-    double cone[3];
-    double scull_a[3];
-    double scull_b[3];
-    double rot1[3];
-    double rot2[3];
-    pel_cross3(c->alpha, alpha, cone);
-    pel_cross3(c->alpha, upsilon, scull_a);
-    pel_cross3(c->upsilon, alpha, scull_b);
-    pel_cross3(alpha, upsilon, rot1);
-    pel_cross3(alpha, rot1, rot2);
-
-    double phi[3];  /* rotation vector of the body over the step */
-    double dv_b[3]; /* specific-force increment, resolved in the body axes at the start */
-    for (int i = 0; i < 3; i++) {
-        phi[i] = alpha[i] + k * cone[i];
-        dv_b[i] = upsilon[i] + 0.5 * rot1[i] + (1.0 / 6.0) * rot2[i] + k * (scull_a[i] + scull_b[i]);
-    }
+    double phi[3];
+    double dv_b[3];
+    correct_increments(c, coning_factor(c->dt_s, dt_s), alpha, upsilon, phi, dv_b);
     remember(c, alpha, upsilon, dt_s);
 
     /* velocity: while the step lasts the e frame turns; half of that turn applies to the increment (Groves 5.84 ff.) */
     const double turn = PEL_OMEGA_IE * dt_s;
-    double dv_e[3];
-    pel_mat3_vec(s->C_b_e, dv_b, dv_e);
-    c->dv_f_e[0] = dv_e[0] + 0.5 * turn * dv_e[1];
-    c->dv_f_e[1] = dv_e[1] - 0.5 * turn * dv_e[0];
-    c->dv_f_e[2] = dv_e[2];
+    const double half_turn = 0.5 * turn;
+    double f[3];
+    pel_mat3_vec(s->C_b_e, dv_b, f);
+    c->dv_f_e[0] = f[0] + half_turn * f[1];
+    c->dv_f_e[1] = f[1] - half_turn * f[0];
+    c->dv_f_e[2] = f[2];
 
-    const double half = 0.5 * dt_s;
     double r_mid[3];
-    double g[3];
-    for (int i = 0; i < 3; i++) { r_mid[i] = s->r_eb_e[i] + half * s->v_eb_e[i]; }
-    pel_earth_gravity_e(r_mid, g);
-    const double v_mid[2] = {s->v_eb_e[0] + 0.5 * (c->dv_f_e[0] + g[0] * dt_s) + turn * s->v_eb_e[1],
-                             s->v_eb_e[1] + 0.5 * (c->dv_f_e[1] + g[1] * dt_s) - turn * s->v_eb_e[0]};
-    const double dv[3] = {c->dv_f_e[0] + g[0] * dt_s + 2.0 * turn * v_mid[1],
-                          c->dv_f_e[1] + g[1] * dt_s - 2.0 * turn * v_mid[0], c->dv_f_e[2] + g[2] * dt_s};
-    for (int i = 0; i < 3; i++) {
-        s->r_eb_e[i] += dt_s * (s->v_eb_e[i] + 0.5 * dv[i]);
-        s->v_eb_e[i] += dv[i];
-    }
+    double dv[3];
+    copy3(r_mid, s->r_eb_e);
+    add_scaled(r_mid, 0.5 * dt_s, s->v_eb_e);
+    pel_earth_gravity_e(r_mid, dv);
+    dv[0] = c->dv_f_e[0] + dv[0] * dt_s;
+    dv[1] = c->dv_f_e[1] + dv[1] * dt_s;
+    dv[2] = c->dv_f_e[2] + dv[2] * dt_s;
+    /* Coriolis of the velocity at mid step, that velocity's own Coriolis share included: 2 w^2 v dt is seen after minutes */
+    const double v_x = s->v_eb_e[0] + 0.5 * dv[0] + turn * s->v_eb_e[1];
+    const double v_y = s->v_eb_e[1] + 0.5 * dv[1] - turn * s->v_eb_e[0];
+    dv[0] += 2.0 * turn * v_y;
+    dv[1] -= 2.0 * turn * v_x;
 
-    /* attitude: C <- Rz(-turn) C exp([phi x]); the series of sine and cosine are exact up to dt = 10 s */
-    double R[3][3];
-    double C[3][3];
-    pel_rotvec_to_dcm(phi, R);
-    pel_mat3_mul(s->C_b_e, R, C);
-    const double cos_t = 1.0 - 0.5 * turn * turn;
-    const double sin_t = turn * (1.0 - (1.0 / 6.0) * turn * turn);
-    for (int j = 0; j < 3; j++) {
-        s->C_b_e[0][j] = cos_t * C[0][j] + sin_t * C[1][j];
-        s->C_b_e[1][j] = cos_t * C[1][j] - sin_t * C[0][j];
-        s->C_b_e[2][j] = C[2][j];
-    }
+    /* the trapezoid in two halves, before and after v changes */
+    copy3(s->r_eb_e, r_mid);
+    add_scaled(s->v_eb_e, 1.0, dv);
+    add_scaled(s->r_eb_e, 0.5 * dt_s, s->v_eb_e);
+    turn_attitude(s->C_b_e, phi, turn);
     s->t_ns = t_end;
 }
 

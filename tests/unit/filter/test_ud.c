@@ -80,14 +80,15 @@ static void time_updates_match_the_dense_filter(void)
         double Phi[DENSE_MAX][DENSE_MAX];
         double q[DENSE_MAX];
         const int n = 6 + trial % (PEL_MAX_STATES - 5);
+        const int moving = (n < PEL_UD_MAX_MOVING) ? n : PEL_UD_MAX_MOVING;
         const int groups = n / 3;
         random_filter(n, &ud, &d);
         t.n = n;
         const int n_blocks = (int)random_uniform(&rng, 0.0, 13.0);
         for (int k = 0; k < n_blocks; k++) {
-            const int row = 3 * (int)random_uniform(&rng, 0.0, (double)groups);
+            const int row = 3 * (int)random_uniform(&rng, 0.0, (double)(moving / 3));
             const int col = 3 * (int)random_uniform(&rng, 0.0, (double)groups);
-            t.block[t.n_blocks].row = (uint8_t)((trial % 4 == 0 && row + 3 < n) ? row + (n - row) % 2 : row);
+            t.block[t.n_blocks].row = (uint8_t)((trial % 4 == 0 && row + 3 < moving) ? row + (moving - row) % 2 : row);
             t.block[t.n_blocks].col = (uint8_t)col;
             for (int i = 0; i < 9; i++) {
                 t.block[t.n_blocks].m[i / 3][i % 3] = (pel_real)random_uniform(&rng, -0.3, 0.3);
@@ -96,7 +97,7 @@ static void time_updates_match_the_dense_filter(void)
         }
         const int n_noise = trial % (PEL_UD_MAX_NOISE + 1);
         for (int k = 0; k < n_noise; k++) {
-            t.q[(int)random_uniform(&rng, 0.0, (double)n)] = (pel_real)pow(10.0, random_uniform(&rng, -4.0, 1.0));
+            t.q[(int)random_uniform(&rng, 0.0, (double)moving)] = (pel_real)pow(10.0, random_uniform(&rng, -4.0, 1.0));
         }
         dense_transition(&t, Phi, q);
         dense_time_update(&d, Phi, q);
@@ -343,6 +344,12 @@ static void lost_factors_are_noticed(void)
     TEST_ASSERT_EQUAL(PEL_OK, pel_ud_time_update(&ud, &t)); /* touches nothing */
     t.q[4] = PEL_R(1.0);
     TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_time_update(&ud, &t));
+    random_filter(PEL_MAX_STATES, &ud, &d);
+    t = (pel_transition_t){.n = PEL_MAX_STATES};
+    t.q[PEL_MAX_STATES - 1] = PEL_R(1.0);
+    const pel_ud_t before = ud;
+    TEST_ASSERT_EQUAL((PEL_MAX_STATES > PEL_UD_MAX_MOVING) ? PEL_E_RANGE : PEL_OK, pel_ud_time_update(&ud, &t));
+    if (PEL_MAX_STATES > PEL_UD_MAX_MOVING) { TEST_ASSERT_EQUAL_MEMORY(&before, &ud, sizeof ud); }
     t.n = 8;
     TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ud_time_update(&ud, &t));
 }
