@@ -6,7 +6,7 @@
 #define PHASE_BLOCK_CYC 4096.0
 
 typedef struct {
-    int64_t code, phase, rate; /* in units of the message; the most negative value: none */
+    int32_t code, phase, rate; /* in units of the message; the most negative value: none */
     uint32_t lock, half, cn0;
 } msm_cell_t;
 
@@ -72,47 +72,49 @@ static double wavelength(const pel_obs_t *o)
 }
 
 /* Rough range in 2^-10 ms and rough rate in m/s of a satellite, from its first signal that has them. */
-static void rough_of(const pel_epoch_t *e, pel_sys_t sys, int prn, int64_t *range, int64_t *rate)
+static void rough_of(const pel_epoch_t *e, pel_sys_t sys, int prn, int32_t *range, int32_t *rate)
 {
     *range = -1;
     *rate = -8192;
     for (int i = 0; i < (int)e->n; i++) {
         const pel_obs_t *const o = &e->obs[i];
         if (o->prn != prn || signal_id(o, sys) == 0) { continue; }
-        if (*range < 0 && (o->flags & PEL_OBS_CODE) != 0u) { *range = pel_round_i64(o->P_m / PEL_RANGE_MS_M * 1024.0); }
+        if (*range < 0 && (o->flags & PEL_OBS_CODE) != 0u) {
+            *range = (int32_t)pel_round_i64(o->P_m / PEL_RANGE_MS_M * 1024.0);
+        }
         if (*rate == -8192 && (o->flags & PEL_OBS_DOPPLER) != 0u) {
             const int64_t r = pel_round_i64(-(double)o->D_hz * wavelength(o));
-            if (r > -8192 && r < 8192) { *rate = r; }
+            if (r > -8192 && r < 8192) { *rate = (int32_t)r; }
         }
     }
 }
 
 /* value in units of 2^pow2, or the mark "none" when it does not fit. */
-static int64_t field(double value, int pow2, unsigned bits)
+static int32_t field(double value, int pow2, unsigned bits)
 {
     const int64_t none = -(INT64_C(1) << (bits - 1u));
     const int64_t raw = pel_round_i64(value * pel_pow2(-pow2));
-    return (raw > none && raw < -none) ? raw : none;
+    return (int32_t)((raw > none && raw < -none) ? raw : none);
 }
 
-static void make_cell(const pel_msm_kind_t *k, const pel_obs_t *o, int64_t rough, int64_t rough_rate, msm_cell_t *c)
+static void make_cell(const pel_msm_kind_t *k, const pel_obs_t *o, int32_t rough, int32_t rough_rate, msm_cell_t *c)
 {
     const double lambda = wavelength(o);
     const double rough_ms = (double)rough * pel_pow2(-10);
     const double reference_m = ((o->flags & PEL_OBS_CODE) != 0u) ? o->P_m : rough_ms * PEL_RANGE_MS_M;
 
     c->code = field((o->P_m / PEL_RANGE_MS_M) - rough_ms, k->code_pow2, k->code_bits);
-    if ((o->flags & PEL_OBS_CODE) == 0u) { c->code = -(INT64_C(1) << (k->code_bits - 1)); }
+    if ((o->flags & PEL_OBS_CODE) == 0u) { c->code = -(1 << (k->code_bits - 1)); }
 
     const int64_t blocks = pel_round_i64((o->L_cyc - reference_m / lambda) / PHASE_BLOCK_CYC);
     const double phase_m = (o->L_cyc - (double)blocks * PHASE_BLOCK_CYC) * lambda;
     c->phase = field(phase_m / PEL_RANGE_MS_M - rough_ms, k->phase_pow2, k->phase_bits);
-    if ((o->flags & PEL_OBS_PHASE) == 0u) { c->phase = -(INT64_C(1) << (k->phase_bits - 1)); }
+    if ((o->flags & PEL_OBS_PHASE) == 0u) { c->phase = -(1 << (k->phase_bits - 1)); }
 
     c->rate = -16384;
     if ((o->flags & PEL_OBS_DOPPLER) != 0u && rough_rate != -8192) {
         const int64_t fine = pel_round_i64((-(double)o->D_hz * lambda - (double)rough_rate) * 1e4);
-        if (fine > -16384 && fine < 16384) { c->rate = fine; }
+        if (fine > -16384 && fine < 16384) { c->rate = (int32_t)fine; }
     }
     c->lock = pel_msm_lock_indicator(k->lock_bits, o->lock_ms);
     c->half = ((o->flags & PEL_OBS_HALF_CYCLE) != 0u) ? 1u : 0u;
@@ -136,9 +138,9 @@ static void write_header(pel_bit_writer_t *w, const pel_epoch_t *e, pel_sys_t sy
     pel_write_u(w, 32, m->sig_mask);
 }
 
-static void write_sats(pel_bit_writer_t *w, bool has_rate, const int64_t *range, const int64_t *rate, int n)
+static void write_sats(pel_bit_writer_t *w, bool has_rate, const int32_t *range, const int32_t *rate, int n)
 {
-    for (int i = 0; i < n; i++) { pel_write_u(w, 8, (uint64_t)range[i] >> 10); }
+    for (int i = 0; i < n; i++) { pel_write_u(w, 8, (uint64_t)(range[i] >> 10)); }
     for (int i = 0; has_rate && i < n; i++) { pel_write_u(w, 4, 0); }
     for (int i = 0; i < n; i++) { pel_write_u(w, 10, (uint64_t)range[i] & 1023u); }
     for (int i = 0; has_rate && i < n; i++) { pel_write_s(w, 14, rate[i]); }
@@ -160,8 +162,8 @@ size_t pel_rtcm3_encode_msm(const pel_epoch_t *e, pel_sys_t sys, int msm, uint16
     const pel_msm_kind_t *const k = pel_msm_kind(msm);
     msm_masks_t m;
     msm_cell_t cell[MAX_CELLS];
-    int64_t range[64];
-    int64_t rate[64];
+    int32_t range[64];
+    int32_t rate[64];
     pel_bit_writer_t w;
     int n_sat = 0;
     int n_cell = 0;

@@ -89,8 +89,9 @@ static bool decode_signal(const uint8_t *m, pel_obs_t *o)
     o->D_hz = pel_le_f32(m + 16);
     o->lock_ms = (uint32_t)pel_le_u(m + 24, 2);
     o->cn0_dbhz = (float)m[26];
-    /* The message has no flag for a missing Doppler; exactly zero is what encoders of files without Doppler write. */
-    o->flags = (o->D_hz < 0.0f || o->D_hz > 0.0f) ? PEL_OBS_DOPPLER : 0u;
+    /* The message has no flag for a missing Doppler; exactly zero (of either sign, and not NaN, which is refused later) is
+     * what encoders of files without Doppler write. */
+    o->flags = ((pel_le_u(m + 16, 4) & 0x7FFFFFFFu) != 0u) ? PEL_OBS_DOPPLER : 0u;
     if ((trk & PR_VALID) != 0u) {
         o->P_m = pel_le_f64(m);
         o->flags |= PEL_OBS_CODE;
