@@ -58,9 +58,9 @@ static void add_ephemeris(char *p)
     e.sd_ura_m = (float)number(&p);
     e.toe_ns = whole(&p);
     e.toc_ns = whole(&p);
-    double *const field[] = {&e.af0,    &e.af1, &e.af2,       &e.sqrt_a, &e.e,   &e.i0,  &e.Omega0, &e.omega,
-                             &e.M0,     &e.dn,  &e.Omega_dot, &e.idot,   &e.cuc, &e.cus, &e.crc,    &e.crs,
-                             &e.cic,    &e.cis, &e.tgd_s[0],  &e.tgd_s[1]};
+    double *const field[] = {&e.af0,   &e.af1, &e.af2, &e.sqrt_a,    &e.e,        &e.i0,      &e.Omega0,
+                             &e.omega, &e.M0,  &e.dn,  &e.Omega_dot, &e.idot,     &e.cuc,     &e.cus,
+                             &e.crc,   &e.crs, &e.cic, &e.cis,       &e.tgd_s[0], &e.tgd_s[1]};
     for (size_t i = 0; i < sizeof field / sizeof field[0]; i++) { *field[i] = number(&p); }
     printf("N %d\n", pel_orbits_add(&orbits, &e));
 }

@@ -29,7 +29,7 @@ extern "C" {
 
 /* ---- orbits --------------------------------------------------------------------------------------------------- */
 
-/* Ephemerides received, two generations a satellite while there is room. About 240 bytes each, PEL_MAX_EPH of them. */
+/* Ephemerides received, two generations a satellite while there is room. 192 bytes each, PEL_MAX_EPH of them. */
 typedef struct {
     pel_ephemeris_t eph[PEL_MAX_EPH];
     int n;
@@ -103,7 +103,7 @@ typedef struct {
     double tropo_m, iono_L1_m;  /* slant delays, >= 0 */
 } pel_sight_t;
 
-/* PEL_MAX_SATS * 176 bytes. */
+/* PEL_MAX_SATS * 160 bytes. */
 typedef struct {
     pel_time_t t_ns; /* tag of the epoch it was computed for */
     int n;
@@ -201,7 +201,7 @@ typedef struct {
  *
  * Returns PEL_OK; PEL_W_REJECTED (delivered, but the residuals still fail: covariance scaled, treat as doubtful);
  * PEL_E_GEOMETRY (too few satellites or singular); PEL_E_MISSING (no orbits); PEL_E_NO_CONVERGENCE (12 iterations);
- * out unchanged on error. Stack about 1.5 KB. Cost: orbits once, then 3 to 8 iterations of 60 multiply-adds a satellite. */
+ * out unchanged on error. Stack 1.3 KB. Cost: orbits once, then 3 to 8 iterations of 60 multiply-adds a satellite. */
 pel_status_t pel_spp_solve(const pel_epoch_t *e, const pel_orbits_t *o, const pel_spp_config_t *cfg,
                            const pel_spp_t *prior, pel_nav_counters_t *count, pel_view_t *view, pel_spp_t *out);
 
@@ -231,7 +231,7 @@ typedef struct {
     double u_e[3];                        /* rover antenna -> satellite: d(predicted)/d(rover position) = -u */
 } pel_sd_t;
 
-/* Sorted by system, then carrier; in each group the pivot first, then by prn. PEL_MAX_OBS * 112 bytes. */
+/* Sorted by system, then carrier; in each group the pivot first, then by prn. PEL_MAX_OBS * 104 bytes. */
 typedef struct {
     pel_time_t t_ns; /* tag of the rover's epoch */
     int n;
@@ -332,7 +332,7 @@ typedef struct {
  * below half a cycle for the last two. The common part of all satellites (median) is the receiver's clock and no slip; if
  * it amounts to whole milliseconds a clock jump is counted. A signal seen for the first time, or after more than
  * PEL_SLIP_MAX_GAP_S, is marked as slipped (nothing is known about its integer) without a count.
- * Cost: about 100 flops a phase. Stack: 2 KB for the medians. */
+ * Cost: about 100 flops a phase. Stack: 20 bytes a signal of PEL_MAX_OBS, 2.8 KB at 128. */
 #define PEL_SLIP_MAX_GAP_S 60.0
 void pel_slip_check(pel_slip_t *s, pel_epoch_t *e, const pel_view_t *view, const pel_slip_aid_t *aid,
                     pel_nav_counters_t *count);

@@ -202,13 +202,13 @@ static pel_status_t form(const pair_t *p, pel_sd_set_t *out)
     out->t_ns = p->rover->t_ns;
     out->n = 0;
     out->n_groups = 0;
-    for (uint8_t sys = 0; sys < PEL_N_SYS; sys++) {
-        for (uint8_t carrier = 0; carrier < PEL_N_CARRIER; carrier++) {
+    for (int sys = 0; sys < PEL_N_SYS; sys++) {
+        for (int carrier = 0; carrier < PEL_N_CARRIER; carrier++) {
             const int first = out->n;
             for (int i = 0; i < p->rover->n && i < PEL_MAX_OBS; i++) {
                 const pel_obs_t *obs = &p->rover->obs[i];
                 if (obs->carrier != carrier || obs->sys != sys) { continue; }
-                const pel_sight_t *s = pel_view_find(p->rover_view, sys, obs->prn);
+                const pel_sight_t *s = pel_view_find(p->rover_view, obs->sys, obs->prn);
                 if (s == NULL || s->excluded) { continue; }
                 const bool made = (p->base != NULL) ? differenced_row(p, i, s, &d) : single_receiver_row(p, obs, s, &d);
                 if (made) { insert_row(out, first, &d); }

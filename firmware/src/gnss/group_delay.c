@@ -7,6 +7,13 @@ static double carrier_ratio_sq(pel_carrier_t carrier)
     return (f1 * f1) / (f * f);
 }
 
+/* IS-GPS-200 20.3.3.3.3.2: the clock refers to the ionosphere-free P(Y) pair. L5's part is in ISC terms that LNAV does not
+ * carry; in real data its delay follows TGD less than any multiple of it, so none is applied. */
+static double legacy_delay(double tgd, pel_carrier_t carrier)
+{
+    return (carrier == PEL_CARRIER_L1 || carrier == PEL_CARRIER_L2) ? tgd * carrier_ratio_sq(carrier) : 0.0;
+}
+
 /* Galileo OS SIS ICD 5.1.5: the clock of I/NAV refers to the ionosphere-free pair E1/E5b, that of F/NAV to E1/E5a. With
  * BGD_x = (tau_E1 - tau_x) / (1 - ratio_x) and tau_E1 - ratio_x tau_x = 0 for the clock's own pair, the delay of any
  * carrier follows. */
@@ -30,10 +37,7 @@ static double beidou_delay(uint8_t prn, double tgd1, double tgd2, pel_carrier_t 
 double pel_group_delay(uint8_t sys, uint8_t prn, uint8_t source, double tgd0, double tgd1, pel_carrier_t carrier)
 {
     if ((unsigned)carrier >= PEL_N_CARRIER) { return 0.0; }
-    if (sys == PEL_SYS_GPS || sys == PEL_SYS_QZS) {
-        const bool given = carrier == PEL_CARRIER_L1 || carrier == PEL_CARRIER_L2 || carrier == PEL_CARRIER_L5;
-        return given ? tgd0 * carrier_ratio_sq(carrier) : 0.0;
-    }
+    if (sys == PEL_SYS_GPS || sys == PEL_SYS_QZS) { return legacy_delay(tgd0, carrier); }
     if (sys == PEL_SYS_GAL) { return galileo_delay(source, tgd0, tgd1, carrier); }
     return (sys == PEL_SYS_BDS) ? beidou_delay(prn, tgd0, tgd1, carrier) : 0.0;
 }
