@@ -21,7 +21,7 @@ check: ## format, warnings with gcc and clang, clang-tidy, cppcheck, headers, sy
 	@JOBS=$(JOBS) bash cmake/check.sh
 
 bench: all ## instructions per IMU step, row and epoch, beside the budgets
-	@build/bin/pelorus-bench $(ARGS)
+	@cmake/bootstrap.sh bench && build/bin/pelorus-bench $(ARGS)
 
 replay: all ## replay real recordings, one table
 	@cmake/bootstrap.sh test && $(PYTHON) -m replay $(ARGS)

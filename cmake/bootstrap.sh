@@ -16,7 +16,7 @@ packages_of() {
     test) echo rtklib librtklib1 librtklib-dev gpsd-clients gpsd-tools gpsd procps ;;
     check) echo clang clang-tidy clang-format cppcheck ;;
     firmware) echo gcc-arm-none-eabi libnewlib-arm-none-eabi cmake ninja-build python3 make ;;
-    bench) echo gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm ;;
+    bench) echo gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm valgrind ;;
     *) echo "bootstrap.sh: unknown group '$1'" >&2; exit 2 ;;
     esac
 }

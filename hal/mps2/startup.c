@@ -40,10 +40,7 @@ void reset_handler(void)
     SCB_CPACR |= 0xFu << 20; /* the FPU, before anything may use it */
     __asm volatile("dsb\n\tisb" ::: "memory");
     const uint32_t *from = &_sidata;
-    /* The linker's symbols bound one region each. */
-    /* cppcheck-suppress comparePointers */
     for (uint32_t *to = &_sdata; to < &_edata; to++) { *to = *from++; }
-    /* cppcheck-suppress comparePointers */
     for (uint32_t *to = &_sbss; to < &_ebss; to++) { *to = 0; }
     if (!hal_init()) { board_exit(BOARD_EXIT_INIT); }
     firmware_main();
