@@ -4,6 +4,7 @@
 
 void pel_frame_drop(uint8_t *buf, uint16_t *fill, size_t n)
 {
+    if (n == 0u) { return; } /* the usual case: a frame is coming in and begins the buffer */
     const size_t left = (n < *fill) ? (size_t)*fill - n : 0u;
     if (left > 0u) { memmove(buf, buf + (*fill - left), left); }
     *fill = (uint16_t)left;
