@@ -8,10 +8,10 @@
 static void project(const pel_ud_t *ud, const pel_real h[], int first, pel_real f[])
 {
     const int n = ud->n;
+    const pel_real *u = &ud->U[column(first) + first]; /* rows from `first` of column j */
     int j = first;
     for (; j + 2 <= n; j += 2) {
-        const pel_real *u = &ud->U[column(j) + first];
-        const pel_real *v = u + j; /* column j + 1 */
+        const pel_real *v = u + j; /* of column j + 1 */
         const pel_real *p = &h[first];
         pel_real a = PEL_R(0.0);
         pel_real b = PEL_R(0.0);
@@ -23,11 +23,11 @@ static void project(const pel_ud_t *ud, const pel_real h[], int first, pel_real 
         }
         f[j] = p[0] + a;
         f[j + 1] = p[1] + (b + v[0] * p[0]);
+        u = v + 1 + first;
     }
     if (j < n) {
-        const pel_real *u = &ud->U[column(j)];
         pel_real a = h[j];
-        for (int i = first; i < j; i++) { a += u[i] * h[i]; }
+        for (int i = first; i < j; i++) { a += u[i - first] * h[i]; }
         f[j] = a;
     }
 }
@@ -43,8 +43,9 @@ static void fold_one(pel_real *u, pel_real *g, int j, pel_real lambda)
     }
 }
 
-/* The same for columns j and j + 1 with j even, two rows at a time: the gain is loaded and stored once for both columns. */
-static void fold_two(pel_real *u, pel_real *g, int j, pel_real lambda_u, pel_real lambda_v)
+/* The same for columns j and j + 1 with j even, two rows at a time: the gain is loaded and stored once for both columns. Returns the
+ * column after them. */
+static pel_real *fold_two(pel_real *u, pel_real *g, int j, pel_real lambda_u, pel_real lambda_v)
 {
     pel_real *v = u + j;
     const pel_real gu = g[j];
@@ -70,6 +71,7 @@ static void fold_two(pel_real *u, pel_real *g, int j, pel_real lambda_u, pel_rea
     const pel_real old = v[0]; /* row j, where the gain is still gu */
     v[0] = old + lambda_v * gu;
     g[0] = gu + gv * old;
+    return v + 1;
 }
 
 pel_status_t pel_ud_update(pel_ud_t *ud, const pel_real h[], int first, pel_real z, pel_real var, pel_real gate,
@@ -98,19 +100,30 @@ pel_status_t pel_ud_update(pel_ud_t *ud, const pel_real h[], int first, pel_real
     /* columns before `first` stay as they are: their f is zero */
     for (int i = 0; i < first; i++) { g[i] = PEL_R(0.0); }
     pel_real a = var; /* alpha over the columns before j */
-    for (int j = first; j < n; j++) {
+    int j = first;
+    pel_real *u = &ud->U[column(j)];
+    if ((j & 1) != 0) {
         const pel_real next = a + f[j] * g[j];
         ud->D[j] *= a / next;
-        f[j] = -f[j] / a; /* lambda */
+        fold_one(u, g, j, -f[j] / a);
+        u += j;
         a = next;
-    }
-    int j = first;
-    if ((j & 1) != 0) {
-        fold_one(&ud->U[column(j)], g, j, f[j]);
         j++;
     }
-    for (; j + 2 <= n; j += 2) { fold_two(&ud->U[column(j)], g, j, f[j], f[j + 1]); }
-    if (j < n) { fold_one(&ud->U[column(j)], g, j, f[j]); }
+    for (; j + 2 <= n; j += 2) {
+        const pel_real middle = a + f[j] * g[j];
+        const pel_real next = middle + f[j + 1] * g[j + 1];
+        ud->D[j] *= a / middle;
+        ud->D[j + 1] *= middle / next;
+        u = fold_two(u, g, j, -f[j] / a, -f[j + 1] / middle);
+        a = next;
+    }
+    if (j < n) {
+        const pel_real next = a + f[j] * g[j];
+        ud->D[j] *= a / next;
+        fold_one(u, g, j, -f[j] / a);
+        a = next;
+    }
 
     const pel_real k = innov / a;
     for (int i = 0; i < n; i++) { ud->x[i] += g[i] * k; }
