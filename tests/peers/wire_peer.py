@@ -133,6 +133,9 @@ def compare_ephemerides(ours, theirs, names=ORBIT, tolerance=6e-12):
             lost.append((e["sys"], e["prn"], e["toe_ns"], e["iode"]))
             continue
         wrong = [[n for n in names + ["toc_ns"] if abs(c[n] - e[n]) > tolerance * max(abs(e[n]), 1e-30) + 1e-24] for c in candidates]
+        if e["sys"] in (0, 3) and "ura" in e:  # the others' health has another layout in RINEX
+            for c, w in zip(candidates, wrong):
+                w += ["ura"] * (abs(c["ura"] - e["ura"]) > 0.06) + ["health"] * (c["health"] != e["health"])
         matched += 1
         if all(wrong):
             different.append((e["sys"], e["prn"], min(wrong, key=len)))
