@@ -54,9 +54,9 @@ static void send_outputs(void)
     }
 }
 
-static void take_receiver_byte(pel_receiver_t *rx, bool is_base, uint8_t byte)
+static void take_receiver_event(pel_receiver_t *rx, bool is_base, pel_rx_event_t event)
 {
-    switch (pel_receiver_push(rx, byte)) {
+    switch (event) {
     case PEL_RX_NONE: break;
     case PEL_RX_PVT: break;
     case PEL_RX_EPHEMERIS: pel_navigator_push_ephemeris(&navigator, &rx->ephemeris); break;
@@ -93,13 +93,24 @@ static bool serve(hal_port_t port)
         switch (port) {
         case HAL_PORT_IMU:
         case HAL_PORT_AUX1: take_imu_byte(buf[i]); break;
-        case HAL_PORT_ROVER: take_receiver_byte(&rover, false, buf[i]); break;
-        case HAL_PORT_BASE: take_receiver_byte(&base, true, buf[i]); break;
+        case HAL_PORT_ROVER: take_receiver_event(&rover, false, pel_receiver_push(&rover, buf[i])); break;
+        case HAL_PORT_BASE: take_receiver_event(&base, true, pel_receiver_push(&base, buf[i])); break;
         case HAL_PORT_OUT:
         case HAL_N_PORTS: break;
         }
     }
     return n > 0;
+}
+
+/* The input has ended: what the decoders and the navigator still hold. */
+static void drain(void)
+{
+    pel_rx_event_t event;
+    while ((event = pel_receiver_flush(&base)) != PEL_RX_NONE) { take_receiver_event(&base, true, event); }
+    while ((event = pel_receiver_flush(&rover)) != PEL_RX_NONE) { take_receiver_event(&rover, false, event); }
+    while (pel_navigator_flush(&navigator)) { send_outputs(); }
+    send_outputs();
+    send_counters(navigator.last_epoch_ns);
 }
 
 static void start(void)
@@ -141,7 +152,5 @@ void firmware_main(void)
         for (int port = HAL_PORT_IMU; port <= HAL_PORT_AUX1; port++) { busy |= serve((hal_port_t)port); }
         if (!busy) { hal_idle(); }
     }
-    while (pel_navigator_flush(&navigator)) { send_outputs(); }
-    send_outputs();
-    send_counters(navigator.last_epoch_ns);
+    drain();
 }

@@ -144,6 +144,11 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     read_noise(c, "navigator.gnss.doppler_mps", law, &cfg->noise.doppler_a_mps, &cfg->noise.doppler_b_mps);
     read_noise(c, "navigator.gnss.single_code_m", law, &cfg->noise_single.code_a_m, &cfg->noise_single.code_b_m);
     read_noise(c, "navigator.gnss.single_doppler_mps", law, &cfg->noise_single.doppler_a_mps, &cfg->noise_single.doppler_b_mps);
+    const char *ionosphere = config_file_string(c, "navigator.gnss.ionosphere", "broadcast");
+    cfg->no_ionosphere = strcmp(ionosphere, "none") == 0;
+    if (!cfg->no_ionosphere && strcmp(ionosphere, "broadcast") != 0) {
+        config_file_complain(c, "navigator.gnss.ionosphere", "is one of broadcast, none");
+    }
     cfg->single_code_tau_s = config_file_number(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s);
     cfg->noise.iono_mm_per_km = config_file_number(c, "navigator.gnss.iono_mm_per_km", cfg->noise.iono_mm_per_km);
     cfg->base_max_age_s = (float)config_file_number(c, "navigator.gnss.base_max_age_s", (double)cfg->base_max_age_s);

@@ -34,6 +34,7 @@ typedef struct {
     pel_ephemeris_t eph[PEL_MAX_EPH];
     int n;
     pel_klobuchar_t klobuchar;
+    bool no_ionosphere; /* apply no model at all: for simulations without one. Set after pel_orbits_init(). */
 } pel_orbits_t;
 
 void pel_orbits_init(pel_orbits_t *o);

@@ -53,6 +53,7 @@ typedef struct {
 
     pel_noise_config_t noise;      /* undifferenced observations; relative positioning */
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
+    bool no_ionosphere;            /* apply no ionosphere model: simulations without one */
     double single_code_tau_s;      /* correlation time of a single receiver's code errors */
     float base_max_age_s;
     float base_wait_s;             /* hold a rover epoch up to this long for its base epoch */

@@ -145,7 +145,7 @@ void pel_view_atmosphere(const pel_orbits_t *o, const double r_ea_e[3], pel_view
         s->az_rad = (float)((az < 0.0) ? az + 2.0 * PEL_PI : az);
         s->el_rad = (float)el;
         s->tropo_m = pel_tropo_saastamoinen_m(lat, h, el);
-        s->iono_L1_m = pel_iono_klobuchar_m(&o->klobuchar, view->t_ns, lat, lon, az, el);
+        s->iono_L1_m = o->no_ionosphere ? 0.0 : pel_iono_klobuchar_m(&o->klobuchar, view->t_ns, lat, lon, az, el);
         s->sd_iono_m = (o->klobuchar.valid ? SD_BROADCAST : SD_NOMINAL) * (float)s->iono_L1_m;
     }
 }

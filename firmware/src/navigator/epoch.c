@@ -25,7 +25,7 @@ static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solv
     cfg.code_sd_m = zenith_sd(nav->cfg.noise_single.code_a_m, nav->cfg.noise_single.code_b_m);
     cfg.doppler_sd_mps = zenith_sd(nav->cfg.noise_single.doppler_a_mps, nav->cfg.noise_single.doppler_b_mps);
     pel_spp_t spp;
-    const pel_status_t status = pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, &nav->counters,
+    const pel_status_t status = pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, NULL,
                                               &nav->view_rover, &spp);
     *solved = status >= 0;
     if (*solved) {

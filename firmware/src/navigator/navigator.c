@@ -15,6 +15,7 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
     memset(nav, 0, sizeof *nav);
     nav->cfg = *cfg;
     pel_orbits_init(&nav->orbits);
+    nav->orbits.no_ionosphere = cfg->no_ionosphere;
     pel_slip_init(&nav->slip_rover);
     pel_slip_init(&nav->slip_base);
     nav->slip_rover.phase_sd_m = pel_sqrt(cfg->noise.phase_a_m * cfg->noise.phase_a_m + cfg->noise.phase_b_m * cfg->noise.phase_b_m);
