@@ -4,6 +4,7 @@ import csv
 import gzip
 import io
 import json
+import re
 import sys
 import time
 import xml.etree.ElementTree as ET
@@ -227,3 +228,10 @@ def test_leap_seconds_and_calendar():
     assert gpstime.leap_s(t) == 17 and gpstime.leap_s(t + gpstime.NS) == 18
     assert gpstime.text(gpstime.from_calendar(2024, 6, 24, 8, 20, 0.25)) == "2024-06-24 08:20:00.2 GPST"
     assert gpstime.from_calendar(2024, 6, 24, 8, 20, 0.0) // gpstime.NS == 2320 * 604800 + 116400
+
+
+def test_layouts_are_as_long_as_the_manual_says():
+    manual = (synth.ROOT / "docs" / "FORMATS.md").read_text()
+    sizes = {int(i, 16): int(n) for i, n in re.findall(r"\| (0x1[0-4]) \| out \| .*?, (\d+)(?: \+ \d+ n)? bytes \|", manual)}
+    assert sizes == {**{i: d.itemsize for i, d in frames.FIXED_SIZE.items()}, frames.SATELLITES: frames.SATS_HEAD.itemsize}
+    assert f"10 + {frames.SAT_DTYPE.itemsize} n bytes" in manual

@@ -73,7 +73,8 @@ def words(f):
     if "up_m" in f:
         parts.append("up {:.2f} to {:.2f} m".format(f["up_m"][0], f["up_m"][2]))
     if "gap_h_max_m" in f:
-        parts.append(f"in the gap {f['gap_h_rms_m']:.2f} m rms, {f['gap_h_max_m']:.2f} m at most")
+        how = "" if f["gap_said"] else " (silent: its last position and velocity carried on)"
+        parts.append(f"in the gap {f['gap_h_rms_m']:.2f} m rms, {f['gap_h_max_m']:.2f} m at most{how}")
     if "h_rms_m" in f:
         parts.append(f"{f['h_rms_m']:.2f} m rms horizontal")
     if "vh_rms_mps" in f:
