@@ -143,7 +143,7 @@ static void print_case(const counts_t *c, int i, bool csv)
     } else if (twin >= 0 && c->host[twin] > 0 && c->host[i] > 0) {
         (void)snprintf(ratio, sizeof ratio, "%.1f", (double)c->host[twin] / (double)c->host[i]);
     }
-    printf(csv ? "%s,%s,%s,%s,%s,%s,%s,%s\n" : "%-44s %9s %9s %9s %9s %-7s %9s %6s\n", b->name,
+    printf(csv ? "%s,%s,%s,%s,%s,%s,%s,%s\n" : "%-48s %9s %9s %9s %9s %-7s %9s %6s\n", b->name,
            number(c->host[i], text[0]), number(c->m4f[i], text[1]), number(c->m7[i], text[2]),
            (b->budget > 0) ? number(b->budget, text[3]) : "", verdict,
            (twin >= 0) ? number((c->m4f[twin] > 0) ? c->m4f[twin] : c->host[twin], text[4]) : "", ratio);
@@ -174,7 +174,7 @@ int main(int argc, char **argv)
         count_board("m4f", c.m4f);
         count_board("m7", c.m7);
     }
-    printf(csv ? "%s,%s,%s,%s,%s,%s,%s,%s\n" : "%-44s %9s %9s %9s %9s %-7s %9s %6s\n", "instructions", "desktop", "M4F",
+    printf(csv ? "%s,%s,%s,%s,%s,%s,%s,%s\n" : "%-48s %9s %9s %9s %9s %-7s %9s %6s\n", "instructions", "desktop", "M4F",
            "M7", "budget", "", "dense", "ratio");
     for (int i = 0; i < bench_n_cases; i++) { print_case(&c, i, csv); }
     if (c.host[0] < 0) { printf("desktop counts: valgrind is missing or failed (Debian: apt-get install valgrind)\n"); }
