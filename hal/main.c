@@ -102,12 +102,20 @@ static bool serve(hal_port_t port)
     return n > 0;
 }
 
+static void drain_receiver(pel_receiver_t *rx, bool is_base)
+{
+    pel_rx_event_t event = pel_receiver_flush(rx);
+    while (event != PEL_RX_NONE) {
+        take_receiver_event(rx, is_base, event);
+        event = pel_receiver_flush(rx);
+    }
+}
+
 /* The input has ended: what the decoders and the navigator still hold. */
 static void drain(void)
 {
-    pel_rx_event_t event;
-    while ((event = pel_receiver_flush(&base)) != PEL_RX_NONE) { take_receiver_event(&base, true, event); }
-    while ((event = pel_receiver_flush(&rover)) != PEL_RX_NONE) { take_receiver_event(&rover, false, event); }
+    drain_receiver(&base, true);
+    drain_receiver(&rover, false);
     while (pel_navigator_flush(&navigator)) { send_outputs(); }
     send_outputs();
     send_counters(navigator.last_epoch_ns);

@@ -174,6 +174,7 @@ typedef struct pel_navigator_t {
 
     pel_view_t view_rover, view_base;
     pel_sd_set_t sd;
+    pel_amb_problem_t problem;              /* workspace of the epoch's search */
     pel_ils_t ils;
     pel_track_t track;
 

@@ -89,8 +89,8 @@ pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q,
     s->n = 0;
     s->stage = PEL_ILS_EMPTY;
     if (n < 1 || n > PEL_MAX_AMB) { return PEL_E_RANGE; }
-    memcpy(s->LD, Q, (size_t)PEL_TRI(n) * sizeof Q[0]);
-    memcpy(s->zhat, a, (size_t)n * sizeof a[0]);
+    memmove(s->LD, Q, (size_t)PEL_TRI(n) * sizeof Q[0]); /* the caller may have written them in place */
+    memmove(s->zhat, a, (size_t)n * sizeof a[0]);
     return pel_ils_start(s, n, n_best, budget);
 }
 

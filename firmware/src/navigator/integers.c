@@ -6,7 +6,7 @@
 #include "pelorus/math.h"
 
 #define MASK_STEP_RAD (5.0 * PEL_DEG)
-#define MAX_TRIES 4
+#define MAX_TRIES 8 /* half a cycle on one of seven satellites is found with as many */
 #define PRIOR_SIGMAS 5.0
 /* Below this success rate of the search problem the second best must be this much farther away. */
 #define SURE_SUCCESS 0.99
@@ -101,21 +101,21 @@ static void count_verdict(pel_nav_counters_t *c, pel_int_reason_t reason)
 
 void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out)
 {
-    pel_amb_problem_t p;
+    pel_amb_problem_t *p = &nav->problem;
     int index[PEL_MAX_AMB];
     int64_t N[PEL_MAX_AMB];
-    memset(&p, 0, sizeof p);
+    memset(p, 0, sizeof *p);
     double mask_rad = nav->cfg.integer_mask_rad;
-    while (!fill_problem(nav, mask_rad, &p, index) && mask_rad < PEL_PI / 2.0) { mask_rad += MASK_STEP_RAD; }
-    out->n = p.n_rows;
-    if (p.n_rows < 4) {
+    while (!fill_problem(nav, mask_rad, p, index) && mask_rad < PEL_PI / 2.0) { mask_rad += MASK_STEP_RAD; }
+    out->n = p->n_rows;
+    if (p->n_rows < 4) {
         out->reason = PEL_INT_FEW;
         return;
     }
     const double sd_iono_m = nav->cfg.noise.iono_mm_per_km * 1e-3 * baseline_km(nav);
-    p.var_iono = sd_iono_m * sd_iono_m;
-    p.have_prior = true;
-    memcpy(p.P_r, P_a, sizeof p.P_r);
+    p->var_iono = sd_iono_m * sd_iono_m;
+    p->have_prior = true;
+    memcpy(p->P_r, P_a, sizeof p->P_r);
 
     pel_int_limits_t limits;
     pel_int_limits_default(&limits);
@@ -124,7 +124,7 @@ void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integ
     limits.prior_sigma = PRIOR_SIGMAS;
     pel_int_verdict_t verdict;
     memset(&verdict, 0, sizeof verdict);
-    const pel_status_t status = pel_amb_resolve(&p, &nav->ils, &limits, nav->cfg.node_budget, MAX_TRIES, N, &verdict);
+    const pel_status_t status = pel_amb_resolve(p, &nav->ils, &limits, nav->cfg.node_budget, MAX_TRIES, N, &verdict);
     out->ratio = verdict.ratio;
     out->success = verdict.success;
     out->nodes = nav->ils.nodes;
@@ -132,8 +132,8 @@ void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integ
     out->reason = (status < 0) ? PEL_INT_FEW : (status == PEL_OK && unsure) ? PEL_INT_RATIO : verdict.reason;
     if (status == PEL_OK && !unsure) {
         out->reason = PEL_INT_OK;
-        for (int r = 0; r < p.n_rows; r++) {
-            if (!p.row[r].integer || N[r] > INT32_MAX || N[r] < INT32_MIN) { continue; }
+        for (int r = 0; r < p->n_rows; r++) {
+            if (!p->row[r].integer || N[r] > INT32_MAX || N[r] < INT32_MIN) { continue; }
             out->fixed[index[r]] = true;
             out->N[index[r]] = (int32_t)N[r];
             out->n_fixed++;
