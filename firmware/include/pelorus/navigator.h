@@ -128,6 +128,34 @@ typedef struct {
     pel_tracked_t entry[PEL_MAX_TRACKED];
 } pel_track_t;
 
+/* Outcome of the integers of one epoch. */
+typedef struct {
+    pel_int_reason_t reason;
+    double ratio, success;
+    int n, n_fixed, nodes;
+    bool fixed[PEL_MAX_OBS];   /* by index into nav->sd.sd[] */
+    int32_t N[PEL_MAX_OBS];    /* DD integer against the group's pivot */
+} pel_nav_integers_t;
+
+/* What is known of each phase of nav->sd. */
+typedef struct {
+    bool known[PEL_MAX_OBS];    /* has an N */
+    bool held[PEL_MAX_OBS];     /* and it is a validated integer */
+    int16_t state[PEL_MAX_OBS]; /* its filter state, -1: none */
+    double N[PEL_MAX_OBS];      /* cycles, on the group's datum */
+} pel_nav_phases_t;
+
+/* Workspace of one epoch's update, kept off the stack. Private. */
+typedef struct {
+    pel_antenna_t ant;
+    double P_r[3][3], P_v[3][3]; /* antenna, before the update */
+    pel_nav_integers_t ints;     /* of this epoch alone */
+    pel_nav_phases_t phases;     /* every N, held or float */
+    bool misfit[PEL_MAX_OBS];    /* phase rows that were refused */
+    int code_used, code_refused, used;
+    int held_used, held_refused; /* phase rows with validated integers */
+} pel_nav_update_t;
+
 #define PEL_ROVER_QUEUE 3
 #define PEL_BASE_QUEUE 2
 
@@ -177,6 +205,7 @@ typedef struct pel_navigator_t {
     pel_amb_problem_t problem;              /* workspace of the epoch's search */
     pel_ils_t ils;
     pel_track_t track;
+    pel_nav_update_t update;
 
     pel_pose_ring_t poses;
     pel_time_t event_t_ns;

@@ -61,16 +61,7 @@ static double variance(const pel_sd_t *sd, kind_t kind)
     return (kind == CODE) ? sd->var_code : (kind == PHASE) ? sd->var_phase : sd->var_rate;
 }
 
-/* What one epoch's update needs at hand. */
-typedef struct {
-    pel_antenna_t ant;
-    double P_r[3][3], P_v[3][3]; /* antenna, before the update */
-    pel_nav_integers_t ints;
-    pel_nav_phases_t phases;     /* their N, held or float */
-    bool misfit[PEL_MAX_OBS];    /* phase rows that were refused */
-    int code_used, code_refused, used;
-    int held_used, held_refused; /* phase rows with validated integers */
-} update_t;
+typedef pel_nav_update_t update_t;
 
 static double along(const double P[3][3], const double g[3])
 {
@@ -412,26 +403,26 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
 {
     bool solved = false;
     pel_time_t t_ns = 0;
-    update_t u;
-    memset(&u, 0, sizeof u);
+    update_t *u = &nav->update;
+    memset(u, 0, sizeof *u);
     nav->last_tag_ns = rover->t_ns;
     if (!true_time(nav, rover, &solved, &t_ns) || !reach(nav, solved, t_ns)) { return; }
 
     double r_ea_e[3], v_ea_e[3];
     memset(&nav->epoch_solution, 0, sizeof nav->epoch_solution);
-    pel_nav_antenna(nav, &u.ant, r_ea_e, v_ea_e);
+    pel_nav_antenna(nav, &u->ant, r_ea_e, v_ea_e);
     if (!form_rows(nav, rover, base, r_ea_e, v_ea_e)) {
         nav->counters.epochs_few_sats++;
         return;
     }
     start_reports(nav);
-    pel_nav_antenna_cov(nav, &u.ant, false, u.P_r);
-    pel_nav_antenna_cov(nav, &u.ant, true, u.P_v);
-    u.ints.reason = PEL_INT_NOT_TRIED;
-    if (nav->relative) { prepare_phases(nav, &u); }
-    update_all(nav, &u);
+    pel_nav_antenna_cov(nav, &u->ant, false, u->P_r);
+    pel_nav_antenna_cov(nav, &u->ant, true, u->P_v);
+    u->ints.reason = PEL_INT_NOT_TRIED;
+    if (nav->relative) { prepare_phases(nav, u); }
+    update_all(nav, u);
     pel_nav_close_loop(nav);
-    if (nav->relative) { judge_phases(nav, &u); }
-    watch_health(nav, &u);
-    if (nav->have_state) { finish(nav, rover, base, &u); }
+    if (nav->relative) { judge_phases(nav, u); }
+    watch_health(nav, u);
+    if (nav->have_state) { finish(nav, rover, base, u); }
 }

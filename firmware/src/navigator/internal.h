@@ -60,27 +60,10 @@ bool pel_nav_yaw_solve(const pel_navigator_t *nav, double C_b_enu[3][3], double 
 /* Use one rover epoch with its base epoch (or NULL). */
 void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base);
 
-/* Outcome of the integers of one epoch. */
-typedef struct {
-    pel_int_reason_t reason;
-    double ratio, success;
-    int n, n_fixed, nodes;
-    bool fixed[PEL_MAX_OBS];   /* by index into nav->sd.sd[] */
-    int32_t N[PEL_MAX_OBS];    /* DD integer against the group's pivot */
-} pel_nav_integers_t;
-
 /* Resolve the integers of nav->sd with the horizon's position as prior. P_a: covariance of the antenna position, m^2. */
 void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
 
 /* ---- track.c: ambiguities from epoch to epoch ---- */
-
-/* What is known of each phase of nav->sd. */
-typedef struct {
-    bool known[PEL_MAX_OBS];    /* has an N */
-    bool held[PEL_MAX_OBS];     /* and it is a validated integer */
-    int16_t state[PEL_MAX_OBS]; /* its filter state, -1: none */
-    double N[PEL_MAX_OBS];      /* cycles, on the group's datum */
-} pel_nav_phases_t;
 
 /* Forget everything and its states (clear), or after the filter itself was started afresh (forget). */
 void pel_nav_track_clear(pel_navigator_t *nav);

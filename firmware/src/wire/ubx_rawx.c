@@ -104,6 +104,9 @@ static bool decode_signal(const uint8_t *m, pel_obs_t *o)
     return o->prn != 0u;
 }
 
+/* After this long without an MSM of GPS, RAWX counts again. */
+#define MSM_GONE_NS (60 * PEL_NS_PER_S)
+
 pel_rx_event_t pel_ubx_rawx(pel_receiver_t *rx, const uint8_t *payload, size_t n, bool *hold)
 {
     const double tow_s = pel_le_f64(payload);
@@ -119,6 +122,12 @@ pel_rx_event_t pel_ubx_rawx(pel_receiver_t *rx, const uint8_t *payload, size_t n
         return PEL_RX_NONE;
     }
     const pel_time_t t = pel_time_from_week(week, tow_s);
+    if (rx->t_gps_msm_ns != 0 && t - rx->t_gps_msm_ns < MSM_GONE_NS && t > rx->t_gps_msm_ns - MSM_GONE_NS) {
+        /* A base that sends both: its phases have other integers in each, and a stream must not change between them. The
+         * shorter RTCM messages survive a bad line better. */
+        rx->counters.duplicate++;
+        return PEL_RX_NONE;
+    }
     if (rx->collecting && t <= rx->epoch.t_ns + PEL_SAME_EPOCH_NS && t >= rx->epoch.t_ns - PEL_SAME_EPOCH_NS) {
         /* the same epoch is arriving through RTCM as well: this one is complete, take it instead */
         rx->collecting = false;
