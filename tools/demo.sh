@@ -14,7 +14,9 @@ say pelorus-sim "$scenario" -o "$out/flight.log" --seed "$seed"
 say pelorus-sil "$out/flight.log" -o "$out/flight.out"
 # The filter needs its first minutes of turns to learn the heading: figures start after the first quarter.
 settle=$(pelorus-report "$out/flight.out" -q --csv-stats | awk -F, '$1 == "duration_s" { printf "%d", $2 / 4 }')
-say pelorus-report "$out/flight.out" -q --window "$settle,99999" -o "$out/report.html" --png "$out/demo.png" --csv-stats > "$out/figures.csv"
+judge=(pelorus-report "$out/flight.out" -q --window "$settle,99999" -o "$out/report.html" --png "$out/demo.png" --csv-stats)
+printf '\n> %s\n' "${judge[*]}"
+"${judge[@]}" > "$out/figures.csv"
 
 awk -F, -v settle="$settle" '
 { v[$1] = $2 }

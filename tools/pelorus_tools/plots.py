@@ -194,7 +194,8 @@ class Picture:
         bx, bs = x[:m].reshape(-1, size).mean(1), np.nanmax(np.nan_to_num(s[:m]).reshape(-1, size), axis=1)
         ax.fill_between(bx, -bs, bs, color=BAND, lw=0)
         ax.plot(*thin(x, e), color=colour, lw=0.7)
-        top = 1.25 * max(np.nanpercentile(s, 90) if np.isfinite(s).any() else 0.0, np.percentile(np.abs(e), 98), 1e-12)
+        # Medians: minutes of settling at the start must not flatten the rest.
+        top = max(1.7 * np.nanmedian(s) if np.isfinite(s).any() else 0.0, 1.25 * np.percentile(np.abs(e), 75), 1e-12)
         largest = np.abs(e).max()
         top = 1.05 * largest if top < largest < 1.7 * top else top
         ax.set_ylim(-top, top)
