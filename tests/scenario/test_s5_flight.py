@@ -46,14 +46,16 @@ def test_errors_are_those_of_the_reference_and_sigma_is_honest(flights):
 
 
 def test_every_epoch_is_fixed_and_none_wrongly(flights):
-    """Of 6 x 7200 epochs. The chi-square test of the fixed solution has a false alarm of its own, at most one in 10 000 here."""
+    """Of 6 x 7200 epochs. The tests of ratio (before the prior is narrow) and of chi-square have false alarms of their own: here
+    at most one in 10 000. Such an epoch is refused and told, never wrong."""
     missed = 0
     for s in SEEDS:
         f = flights[s]["all"]
         missed += int(f["epochs"] - f["fixed_epochs"])
         print(f"flight {s}: {f['fixed_epochs']:.0f} of {f['epochs']:.0f} fixed, {f['wrong_fixes']:.0f} wrong; not fixed: {flights[s]['why'] or 'none'}")
         assert f["wrong_fixes"] == 0
-        assert set(flights[s]["why"]) <= {"chi2"}
+        assert set(flights[s]["why"]) <= {"chi2", "ratio"}
+    print(f"all flights: {missed} epochs not fixed")
     assert missed <= 4
 
 

@@ -169,6 +169,8 @@ class Picture:
             if no.any():
                 ratio.plot(self.x[no], r[no], ".", ms=3, color=STATUS_COLOUR["float"], label="not fixed", rasterized=True)
             ratio.set_yscale("log")
+            for axis_format in (ratio.yaxis.set_major_formatter, ratio.yaxis.set_minor_formatter):
+                axis_format(lambda y, _: f"{y:g}" if f"{y:e}"[0] in "125" else "")
             ratio.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.1, markerscale=3)
         else:
             nothing(ratio, "no integer search in this run")
@@ -196,6 +198,7 @@ class Picture:
         ax.plot(*thin(x, e), color=colour, lw=0.7)
         # Medians: minutes of settling at the start must not flatten the rest.
         top = max(1.7 * np.nanmedian(s) if np.isfinite(s).any() else 0.0, 1.25 * np.percentile(np.abs(e), 75), 1e-12)
+        top = min(top, 6.0 * np.percentile(np.abs(e), 95) + 1e-12)      # a band far too wide must not hide the error
         largest = np.abs(e).max()
         top = 1.05 * largest if top < largest < 1.7 * top else top
         ax.set_ylim(-top, top)

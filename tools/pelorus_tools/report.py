@@ -98,10 +98,12 @@ def counter_groups(run):
     """Counters by who counted: (title, [(words, number, is it trouble)])."""
     c = run.counters
     groups = []
-    good = {"frames", "epochs_used", "imu_used", "rows_used", "fix_tried", "fix_ok", "events"}
+    good = {"frames", "unknown", "epochs_used", "imu_used", "rows_used", "sats_low", "fix_tried", "fix_ok", "events"}
     if c is not None:
         groups.append(("Navigator", [(n.replace("_", " "), int(c["nav"][n]), n not in good) for n in frames.NAV_COUNTERS]))
         for port in ("imu", "rover", "base"):
+            if not any(c[port].tolist()):
+                continue      # nothing is connected there
             groups.append((f"Decoder, {port} port", [(n.replace("_", " "), int(c[port][n]), n not in good) for n in frames.WIRE_COUNTERS]))
     if run.refused:
         groups.append(("This output log", [(k, n, True) for k, n in sorted(run.refused.items())]))

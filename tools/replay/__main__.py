@@ -39,7 +39,7 @@ def call(command, allowed, verbose):
 
 
 def replay(entry, data, work, verbose=False):
-    """Run our programs on one recording; returns figures."""
+    """Run our programs on one recording; returns its track and figures."""
     work.mkdir(parents=True, exist_ok=True)
     capture = [a.format(data=data) for a in entry.capture]
     # Real recordings hold bytes that are rightly refused (truncated last frames, absurd ionospheres): 4 is no failure.
@@ -52,9 +52,10 @@ def replay(entry, data, work, verbose=False):
     call(["pelorus-sil", work / "capture.log", "-o", work / "run.out", *config, *entry.sil], (0, 4), verbose)
     spent = time.monotonic() - start
     # Where the recording is about a gap, what is said between epochs is the point.
-    figures = entry.known(tracks.ours(work / "run.out", at_epochs=not entry.sil), data)
+    track = tracks.ours(work / "run.out", at_epochs=not entry.sil)
+    figures = entry.known(track, data)
     figures["seconds"] = round(spent, 2)
-    return figures
+    return track, figures
 
 
 def numbers(values, digits, scale=1.0):
@@ -76,7 +77,8 @@ def words(f):
         how = "" if f["gap_said"] else " (silent: its last position and velocity carried on)"
         parts.append(f"in the gap {f['gap_h_rms_m']:.2f} m rms, {f['gap_h_max_m']:.2f} m at most{how}")
     if "h_rms_m" in f:
-        parts.append(f"{f['h_rms_m']:.2f} m rms horizontal")
+        same = f" ({f['h_rms_same_m']:.2f} m on our epochs)" if f.get("h_rms_same_m") else ""
+        parts.append(f"{f['h_rms_m']:.2f} m rms horizontal{same}")
     if "vh_rms_mps" in f:
         parts.append(f"velocity {numbers(f['v_rms_mps'], 3)} m/s rms NED")
     if "h_median_m" in f:
@@ -133,13 +135,17 @@ def body(argv):
                 continue
             work = keep / e.name.replace(" ", "-").replace(",", "")
             r = {"name": e.name, "mode": e.mode, "ours": None, "peer": None, "failed": ""}
+            ours = None
             try:
-                r["ours"] = replay(e, data / e.folder, work, args.verbose)
+                ours, r["ours"] = replay(e, data / e.folder, work, args.verbose)
             except Failed as why:
                 r["failed"] = str(why)
             if peer and e.peer:
                 work.mkdir(parents=True, exist_ok=True)
-                r["peer"] = e.known(e.peer(data / e.folder, work), data / e.folder)
+                theirs = e.peer(data / e.folder, work)
+                r["peer"] = e.known(theirs, data / e.folder)
+                if ours is not None and "h_rms_m" in r["peer"]:
+                    r["peer"]["h_rms_same_m"] = e.known(tracks.common(theirs, ours), data / e.folder).get("h_rms_m")
             results.append(r)
     print(table(results))
     if args.json:

@@ -41,6 +41,15 @@ def peers(pos_file):
     return Track(t.t_ns, t.r_e, v_n, t.quality == 1, np.full(t.t_ns.size, np.nan))
 
 
+def common(track, other, within_ns=50_000_000):
+    """The epochs of a track that the other one has as well (clocks of receivers may be off by milliseconds)."""
+    if not other.t_ns.size:
+        return Track(*(x[:0] for x in (track.t_ns, track.r_e, track.v_n, track.fixed, track.n_sat)))
+    k = np.clip(np.searchsorted(other.t_ns, track.t_ns), 1, max(other.t_ns.size - 1, 1))
+    near = np.minimum(np.abs(other.t_ns[k - 1] - track.t_ns), np.abs(other.t_ns[np.minimum(k, other.t_ns.size - 1)] - track.t_ns)) < within_ns
+    return Track(track.t_ns[near], track.r_e[near], track.v_n[near], track.fixed[near], track.n_sat[near])
+
+
 def enu(r_e, origin):
     """East, north, up of positions about an ECEF origin."""
     lat, lon, _ = earth.ecef_to_llh(np.asarray(origin, float))
