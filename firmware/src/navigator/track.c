@@ -1,0 +1,311 @@
+/* track.c - ambiguities from epoch to epoch: held integers, and float ones as filter states until they can be resolved.
+ *
+ * Every phase that is tracked without a slip keeps one number N, rover minus base, in cycles: an integer where it is held, a
+ * filter state (appended behind position) where it is float. All N of a group (system, carrier) are relative to one arbitrary
+ * datum, the first satellite held, so that differences within the group are double-difference ambiguities whoever the pivot is. */
+#include <string.h>
+
+#include "internal.h"
+
+#include "pelorus/math.h"
+
+#define FLOAT_SD_M      30.0 /* of a new ambiguity, as range */
+#define RESOLVE_AFTER   10   /* epochs of the youngest ambiguity that may be resolved */
+#define RESOLVE_RATIO   3.0
+#define RESOLVE_SUCCESS 0.999
+#define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
+
+static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
+{
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        if (t->sys == sys && t->prn == prn && t->carrier == carrier) { return t; }
+    }
+    return NULL;
+}
+
+static bool same_group(const pel_tracked_t *t, uint8_t sys, uint8_t carrier)
+{
+    return t->sys == sys && t->carrier == carrier;
+}
+
+static pel_tracked_t *datum_of(pel_navigator_t *nav, uint8_t sys, uint8_t carrier)
+{
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state < 0 && same_group(t, sys, carrier)) { return t; }
+    }
+    return NULL;
+}
+
+/* ---- states behind the model's own -------------------------------------------------------------------------------------- */
+
+static bool add_state(pel_navigator_t *nav, pel_tracked_t *t, double sd_cyc)
+{
+    if (pel_ud_insert(&nav->ud, nav->ud.n, (pel_real)(sd_cyc * sd_cyc)) != PEL_OK) { return false; }
+    t->state = (int16_t)(nav->ud.n - 1);
+    nav->model.n = nav->ud.n;
+    return true;
+}
+
+static void remove_state(pel_navigator_t *nav, pel_tracked_t *t)
+{
+    const int16_t state = t->state;
+    if (state < 0) { return; }
+    (void)pel_ud_remove(&nav->ud, state);
+    nav->model.n = nav->ud.n;
+    t->state = -1;
+    for (int i = 0; i < nav->track.n; i++) {
+        if (nav->track.entry[i].state > state) { nav->track.entry[i].state--; }
+    }
+}
+
+static void drop(pel_navigator_t *nav, int i)
+{
+    remove_state(nav, &nav->track.entry[i]);
+    nav->track.n--;
+    if (i < nav->track.n) { nav->track.entry[i] = nav->track.entry[nav->track.n]; }
+}
+
+/* Float ambiguities of a group without a datum refer to nothing. */
+static void drop_orphans(pel_navigator_t *nav)
+{
+    for (int i = nav->track.n - 1; i >= 0; i--) {
+        const pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state >= 0 && datum_of(nav, t->sys, t->carrier) == NULL) { drop(nav, i); }
+    }
+}
+
+void pel_nav_track_clear(pel_navigator_t *nav)
+{
+    while (nav->track.n > 0) { drop(nav, nav->track.n - 1); }
+    nav->track.misfits = 0;
+}
+
+void pel_nav_track_forget(pel_navigator_t *nav)
+{
+    memset(&nav->track, 0, sizeof nav->track);
+}
+
+void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
+{
+    for (int k = 0; k < e->n; k++) {
+        const pel_obs_t *o = &e->obs[k];
+        const unsigned lost = PEL_OBS_SLIP | PEL_OBS_HALF_CYCLE;
+        if ((o->flags & lost) == 0) { continue; }
+        const pel_tracked_t *t = find(nav, o->sys, o->prn, o->carrier);
+        if (t != NULL) { drop(nav, (int)(t - nav->track.entry)); }
+    }
+    drop_orphans(nav);
+}
+
+void pel_nav_track_drop(pel_navigator_t *nav, const pel_sd_t *sd)
+{
+    const pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+    if (t != NULL) { drop(nav, (int)(t - nav->track.entry)); }
+    drop_orphans(nav);
+}
+
+/* ---- after a search: what was validated is held --------------------------------------------------------------------------- */
+
+static pel_tracked_t *get_or_add(pel_navigator_t *nav, const pel_sd_t *sd)
+{
+    pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+    if (t != NULL) { return t; }
+    if (nav->track.n == PEL_MAX_TRACKED) { return NULL; }
+    t = &nav->track.entry[nav->track.n++];
+    *t = (pel_tracked_t){.sys = sd->sys, .prn = sd->prn, .carrier = sd->carrier, .state = -1};
+    return t;
+}
+
+static void hold(pel_navigator_t *nav, const pel_sd_t *sd, double N)
+{
+    pel_tracked_t *t = get_or_add(nav, sd);
+    if (t == NULL) { return; }
+    remove_state(nav, t);
+    t->N = N;
+    t->held = true;
+}
+
+/* The integer of a group's pivot on the group's datum: known, or told by another satellite held and fixed, or 0. */
+static double pivot_integer(pel_navigator_t *nav, const pel_nav_integers_t *ints, int first, int last, int pivot)
+{
+    for (int pass = 0; pass < 2; pass++) {
+        for (int i = first; i < last; i++) {
+            const pel_sd_t *sd = &nav->sd.sd[i];
+            const pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+            if (t == NULL || t->state >= 0) { continue; }
+            if (pass == 0 && i == pivot) { return t->N; }
+            if (pass == 1 && ints->fixed[i]) { return t->N - (double)ints->N[i]; }
+        }
+    }
+    return 0.0;
+}
+
+void pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
+{
+    for (int first = 0; first < nav->sd.n;) {
+        int last = first + 1, pivot = -1, n = ints->fixed[first] ? 1 : 0;
+        while (last < nav->sd.n && nav->sd.sd[last].group == nav->sd.sd[first].group) {
+            n += ints->fixed[last] ? 1 : 0;
+            last++;
+        }
+        for (int i = first; i < last; i++) {
+            if (nav->sd.sd[i].pivot) { pivot = i; }
+        }
+        if (n > 0 && pivot >= 0) {
+            const double N_pivot = pivot_integer(nav, ints, first, last, pivot);
+            hold(nav, &nav->sd.sd[pivot], N_pivot);
+            for (int i = first; i < last; i++) {
+                if (i != pivot && ints->fixed[i]) { hold(nav, &nav->sd.sd[i], N_pivot + (double)ints->N[i]); }
+            }
+        }
+        first = last;
+    }
+}
+
+/* ---- every relative epoch: each phase gets its N ------------------------------------------------------------------------------ */
+
+static bool phase_is_usable(const pel_sd_t *sd)
+{
+    return sd->has_phase && sd->has_code && !sd->half && sd->sys != PEL_SYS_GLO;
+}
+
+/* A new float ambiguity from code minus phase; the receivers' clocks cancel against the group's reference. */
+static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *ref, double N_ref)
+{
+    pel_tracked_t *t = get_or_add(nav, sd);
+    if (t == NULL) { return; }
+    const double dd_m = (sd->phase_m - ref->phase_m) - (sd->code_m - ref->code_m);
+    t->N = N_ref + dd_m / sd->lambda_m;
+    t->held = false;
+    t->epochs = 0;
+    if (!add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) { drop(nav, (int)(t - nav->track.entry)); }
+}
+
+static void begin_group(pel_navigator_t *nav, int first, int last)
+{
+    const pel_sd_t *ref = NULL;
+    double N_ref = 0.0;
+    for (int i = first; i < last; i++) { /* a satellite of this epoch whose N is known */
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        const pel_tracked_t *t = phase_is_usable(sd) ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        if (t != NULL && (ref == NULL || t->state < 0)) {
+            ref = sd;
+            N_ref = t->N;
+            if (t->state < 0) { break; }
+        }
+    }
+    if (ref == NULL) { /* the pivot becomes the datum */
+        const pel_sd_t *pivot = &nav->sd.sd[first];
+        if (!phase_is_usable(pivot) || datum_of(nav, pivot->sys, pivot->carrier) != NULL) { return; }
+        pel_tracked_t *t = get_or_add(nav, pivot);
+        if (t == NULL) { return; }
+        t->N = pel_round((pivot->phase_m - pivot->code_m) / pivot->lambda_m);
+        t->held = false;
+        ref = pivot;
+        N_ref = t->N;
+    }
+    for (int i = first; i < last; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        if (phase_is_usable(sd) && find(nav, sd->sys, sd->prn, sd->carrier) == NULL) {
+            begin_float(nav, sd, ref, N_ref);
+        }
+    }
+}
+
+void pel_nav_track_begin(pel_navigator_t *nav)
+{
+    for (int first = 0; first < nav->sd.n;) {
+        int last = first + 1;
+        while (last < nav->sd.n && nav->sd.sd[last].group == nav->sd.sd[first].group) { last++; }
+        begin_group(nav, first, last);
+        first = last;
+    }
+}
+
+void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out)
+{
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        pel_tracked_t *t = phase_is_usable(sd) ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        out->known[i] = t != NULL;
+        out->held[i] = t != NULL && t->held;
+        out->state[i] = (int16_t)((t != NULL) ? t->state : -1);
+        out->N[i] = (t != NULL) ? t->N : 0.0;
+        if (t != NULL && t->epochs < UINT16_MAX) { t->epochs++; }
+    }
+}
+
+void pel_nav_track_close_loop(pel_navigator_t *nav)
+{
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state >= 0) { t->N -= (double)nav->ud.x[t->state]; }
+    }
+}
+
+/* ---- integers from the filter's own float ambiguities ------------------------------------------------------------------------- */
+
+/* Their values and covariance, written into the engine's own room. */
+static int collect(pel_navigator_t *nav, int index[PEL_MAX_AMB])
+{
+    double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
+    int n = 0;
+    for (int i = 0; i < nav->track.n && n < PEL_MAX_AMB; i++) {
+        const pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state >= 0 && t->epochs >= RESOLVE_AFTER) { index[n++] = i; }
+    }
+    for (int r = 0; r < n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[index[r]];
+        a[r] = t->N;
+        for (int c = 0; c <= r; c++) {
+            Q[PEL_TRI(r) + c] = (double)pel_ud_cov(&nav->ud, t->state, nav->track.entry[index[c]].state);
+        }
+    }
+    return n;
+}
+
+static bool search(pel_navigator_t *nav, int n, pel_nav_integers_t *out)
+{
+    const double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
+    if (pel_ils_init(&nav->ils, n, a, Q, 2, nav->cfg.node_budget) != PEL_OK) { return false; }
+    const bool proved = pel_ils_run(&nav->ils, nav->cfg.node_budget) == PEL_OK;
+    out->n = n;
+    out->nodes = nav->ils.nodes;
+    out->ratio = pel_ils_ratio(&nav->ils);
+    out->success = nav->ils.success;
+    out->reason = !proved                            ? PEL_INT_BUDGET
+                  : (out->success < RESOLVE_SUCCESS) ? PEL_INT_SUCCESS
+                  : (out->ratio < RESOLVE_RATIO)     ? PEL_INT_RATIO
+                                                     : PEL_INT_OK;
+    return out->reason == PEL_INT_OK;
+}
+
+bool pel_nav_track_resolve(pel_navigator_t *nav, pel_nav_integers_t *out)
+{
+    int index[PEL_MAX_AMB];
+    int64_t N[PEL_MAX_AMB];
+    const int n = collect(nav, index);
+    if (n < 4 || !search(nav, n, out) || pel_ils_get(&nav->ils, 0, N, NULL) != PEL_OK) { return false; }
+    for (int r = 0; r < n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[index[r]];
+        pel_real h[PEL_MAX_STATES] = {0};
+        h[t->state] = PEL_R(1.0);
+        (void)pel_ud_update(&nav->ud, h, t->state, (pel_real)(t->N - (double)N[r]),
+                            (pel_real)(INTEGER_SD_CYC * INTEGER_SD_CYC), 0, NULL);
+    }
+    for (int r = 0; r < n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[index[r]];
+        pel_tracked_t *datum = datum_of(nav, t->sys, t->carrier);
+        if (datum != NULL) { datum->held = true; }
+    }
+    pel_nav_close_loop(nav);
+    for (int r = 0; r < n; r++) {
+        pel_tracked_t *t = &nav->track.entry[index[r]];
+        remove_state(nav, t);
+        t->N = (double)N[r];
+        t->held = true;
+    }
+    return true;
+}
