@@ -35,7 +35,6 @@ pel_real pel_sqrtr(pel_real x);
 double pel_sin(double x);
 double pel_cos(double x);
 void pel_sincos(double x, double *sin_x, double *cos_x);
-double pel_tan(double x);
 
 /* Angle of the point (x, y) in (-pi, pi], below 1.5 ulp; pel_atan2(0, 0) is 0. Infinite arguments give NaN. */
 double pel_atan2(double y, double x);
@@ -70,10 +69,6 @@ static inline bool pel_isfiniter(pel_real x)
 static inline double pel_fabs(double x)
 {
     return (x < 0.0) ? -x : x;
-}
-static inline pel_real pel_fabsr(pel_real x)
-{
-    return (x < PEL_R(0.0)) ? -x : x;
 }
 static inline double pel_min(double a, double b)
 {

@@ -92,14 +92,6 @@ double pel_cos(double x)
     return c;
 }
 
-double pel_tan(double x)
-{
-    double s;
-    double c;
-    pel_sincos(x, &s, &c);
-    return s / c;
-}
-
 /* atan(k / 4), k = 0..4, and what rounding it to double lost */
 static const double ATAN_HI[5] = {0.0, 0x1.f5b75f92c80ddp-3, 0x1.dac670561bb4fp-2, 0x1.4978fa3269ee1p-1,
                                   0x1.921fb54442d18p-1};
