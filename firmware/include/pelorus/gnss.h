@@ -320,7 +320,7 @@ typedef struct {
 
 /* Compare an epoch with the one before, set PEL_OBS_SLIP on phases whose integer may have changed, and remember the epoch.
  *
- *  e      in/out  flags of its observations
+ *  e      in/out  flags of its observations; all its Dopplers change sign if they contradict the phases by it
  *  view   in      satellites of this epoch; NULL: no predicted ranges (Doppler is then the only model of motion)
  *  aid    in      NULL: no inertial prediction
  *  count  in/out  may be NULL: slip_lock (told by the receiver, lock time fell or shorter than the gap), slip_half_cycle

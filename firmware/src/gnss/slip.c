@@ -8,6 +8,7 @@
 #define CN0_STRONG     42.0  /* dBHz; noise grows below, as of a loop that tracks less power */
 #define DOPPLER_SD_MPS 0.05
 #define IONO_RATE_MPS  0.002 /* between carriers, in a quiet mid-latitude ionosphere 1 mm/s at most */
+#define REVERSED_MIN_MPS 100.0 /* slower changes do not tell the sign of a Doppler */
 #define JERK_MPS3      2.0   /* of the antenna, for the trapezoid over Doppler: jerk dt^3 / 12 */
 #define MAX_LOCK_MS    3600000u
 
@@ -282,6 +283,26 @@ static void match(pass_t *p, const pel_slip_t *s, pel_epoch_t *e)
     }
 }
 
+/* Some receivers send Doppler with the wrong sign (u-blox M8P in its MSM7). Against the change of phase that is beyond doubt on a
+ * few satellites; the whole epoch is then turned round. */
+static void turn_reversed_doppler(const pass_t *p, const pel_slip_t *s, pel_epoch_t *e)
+{
+    int right = 0, wrong = 0;
+    for (int i = 0; i < e->n; i++) {
+        const pel_obs_t *obs = &e->obs[i];
+        if (p->old[i] < 0 || !pel_obs_usable(obs, PEL_OBS_DOPPLER)) { continue; }
+        const pel_slip_entry_t *old = &s->entry[p->old[i]];
+        const double lambda = pel_obs_lambda_m(obs);
+        const double change = (lambda * obs->L_cyc - old->y_m) / elapsed_s(p, old);
+        const double rate = -lambda * (double)obs->D_hz;
+        if (pel_fabs(change) < REVERSED_MIN_MPS) { continue; }
+        right += pel_fabs(change - rate) < 0.1 * pel_fabs(change + rate);
+        wrong += pel_fabs(change + rate) < 0.1 * pel_fabs(change - rate);
+    }
+    if (wrong < 3 || wrong <= 3 * right) { return; }
+    for (int i = 0; i < e->n; i++) { e->obs[i].D_hz = -e->obs[i].D_hz; }
+}
+
 void pel_slip_check(pel_slip_t *s, pel_epoch_t *e, const pel_view_t *view, const pel_slip_aid_t *aid,
                     pel_nav_counters_t *count)
 {
@@ -294,6 +315,7 @@ void pel_slip_check(pel_slip_t *s, pel_epoch_t *e, const pel_view_t *view, const
     if (e->n > PEL_MAX_OBS) { return; }
 
     match(&p, s, e);
+    turn_reversed_doppler(&p, s, e);
     told_by_receiver(&p, s, e, count);
     const double jump_ms = clock_jump_ms(&p, s);
     if (jump_ms != 0.0 || e->clock_reset) { count->clock_jumps++; }
