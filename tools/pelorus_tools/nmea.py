@@ -7,7 +7,9 @@ import numpy as np
 from pelorus_tools import frames
 from pelorus_tools.gpstime import to_utc
 
-QUALITY = {0: 0, 1: 1, 2: 5, 3: 4, 4: 6}   # of GGA, by status: invalid, GPS, float RTK, fixed RTK, estimated
+# By status (none, spp, float, fixed, coast), as the firmware has them: quality of GGA, mode of RMC.
+QUALITY = (0, 1, 5, 4, 6)
+MODE = "NAFRE"
 
 
 def checksum(body):
@@ -28,13 +30,13 @@ def sentences(s):
     t = to_utc(s["t_ns"])
     clock = f"{t:%H%M%S}.{t.microsecond // 10000:02d}"
     lat, lon = _angle(s["lat_rad"], 2, "NS"), _angle(s["lon_rad"], 3, "EW")
-    fix = int(s["fix"])
+    fix = min(int(s["fix"]), 4)
     age = f"{s['base_age_s']:.1f}" if s["base_age_s"] >= 0 and fix in (2, 3) else ""
     n, e = float(s["v_ned"][0]), float(s["v_ned"][1])
     knots = math.hypot(n, e) * 3600.0 / 1852.0
     course = np.mod(math.degrees(math.atan2(e, n)), 360.0)
-    out = [checksum(f"GPGGA,{clock},{lat},{lon},{QUALITY.get(fix, 0)},{s['n_sat']:02d},,{s['height_m']:.4f},M,0.0,M,{age},"),
-           checksum(f"GPRMC,{clock},A,{lat},{lon},{knots:.3f},{course:.2f},{t:%d%m%y},,,{'E' if fix == 4 else 'A'}")]
+    out = [checksum(f"GNGGA,{clock},{lat},{lon},{QUALITY[fix]},{s['n_sat']:02d},,{s['height_m']:.4f},M,0.0,M,{age},"),
+           checksum(f"GNRMC,{clock},A,{lat},{lon},{knots:.3f},{course:.2f},{t:%d%m%y},,,{MODE[fix]},V")]
     if s["flags"] & frames.SOL_HEADING:
-        out.append(checksum(f"GPHDT,{np.mod(math.degrees(float(s['heading_rad'])), 360.0):.3f},T"))
+        out.append(checksum(f"GNHDT,{np.mod(math.degrees(float(s['heading_rad'])), 360.0):.3f},T"))
     return out
