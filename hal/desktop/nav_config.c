@@ -150,6 +150,8 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
         config_file_complain(c, "navigator.gnss.ionosphere", "is one of broadcast, none");
     }
     cfg->single_code_tau_s = config_file_number(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s);
+    cfg->noise.cn0_ref_dbhz = config_file_number(c, "navigator.gnss.cn0_ref_dbhz", cfg->noise.cn0_ref_dbhz);
+    cfg->noise_single.cn0_ref_dbhz = cfg->noise.cn0_ref_dbhz;
     cfg->noise.iono_mm_per_km = config_file_number(c, "navigator.gnss.iono_mm_per_km", cfg->noise.iono_mm_per_km);
     cfg->base_max_age_s = (float)config_file_number(c, "navigator.gnss.base_max_age_s", (double)cfg->base_max_age_s);
     cfg->base_wait_s = (float)config_file_number(c, "navigator.gnss.base_wait_s", (double)cfg->base_wait_s);
