@@ -32,11 +32,10 @@ def to_utc(t_ns):
     return GPS_EPOCH + datetime.timedelta(microseconds=us) - datetime.timedelta(seconds=int(leap_s(t_ns)))
 
 
-def text(t_ns):
-    """'2024-06-24 08:20:00.0 GPST'."""
-    us = (int(t_ns) + 500) // 1000
-    d = GPS_EPOCH + datetime.timedelta(microseconds=us)
-    return f"{d:%Y-%m-%d %H:%M:%S}.{d.microsecond // 100000} GPST"
+def text(t_ns, digits=1):
+    """'2024-06-24 08:20:00.0 GPST', seconds cut (not rounded) to 1 to 6 digits."""
+    d = GPS_EPOCH + datetime.timedelta(microseconds=int(t_ns) // 1000)
+    return f"{d:%Y-%m-%d %H:%M:%S}.{d.microsecond:06d}"[:20 + digits] + " GPST"
 
 
 def seconds_text(t_ns):

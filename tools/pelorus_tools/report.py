@@ -121,7 +121,7 @@ def how_to_repeat(run):
 def event_rows(run, limit=12):
     rows = []
     for e in run.frames.event[:limit]:
-        rows.append([int(e["id"]), text(int(e["t_ns"])), outlog.word(frames.FIX, e["fix"]), f"{np.degrees(e['lat_rad']):.9f}",
+        rows.append([int(e["id"]), text(int(e["t_ns"]), 6), outlog.word(frames.FIX, e["fix"]), f"{np.degrees(e['lat_rad']):.9f}",
                      f"{np.degrees(e['lon_rad']):.9f}", f"{e['height_m']:.3f}",
                      *(f"{np.degrees(float(e[f'{a}_rad'])):.5f}" for a in ("omega", "phi", "kappa")),
                      f"{1e3 * float(np.max(e['sd_r_m'])):.1f}", f"{stats.ARCSEC * float(np.max(e['sd_att_rad'])):.1f}"])
