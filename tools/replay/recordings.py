@@ -253,7 +253,7 @@ ALL = [
     Recording("hongkong-urban-2019", "hongkong-urban-2019", "single receiver, urban canyon",
               ["--rover", "{data}/rover.obs.gz:rinex", "--nav", "{data}/hksc1180.19n.gz"], hongkong_known, hongkong_peer),
     Recording("rtcm3 missing-beidou-STR17", "rtcm3-streams", "single receiver, static, RTCM 3",
-              ["--rover", "{data}/missing-beidou-STR17.rtcm3:rtcm3", "--date", "2018-07-25"], lambda t, d: tracks.point(t, CANBERRA, 502), canberra_peer),
+              ["--rover", "{data}/missing-beidou-STR17.rtcm3:rtcm3", "--date", "2018-07-18"], lambda t, d: tracks.point(t, CANBERRA, 502), canberra_peer),
     Recording("ubx-coldstart-2025", "ubx-coldstart-2025", "single receiver, cold start", ["--rover", "{data}/coldstart.ubx.gz:ubx"],
               lambda t, d: tracks.point(t, COLDSTART, 562), coldstart_peer),
 ]
