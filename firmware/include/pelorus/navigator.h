@@ -101,9 +101,11 @@ typedef struct {
 
 /* Heading from velocity changes while an IMU of unknown mounting waits to be aligned (navigator/yaw.c). Private. */
 typedef struct {
+    bool calm;                    /* no lasting horizontal acceleration in the last GNSS interval: gravity shows the vertical */
     bool levelled;
     double C_b_l[3][3];           /* levelled frame of arbitrary heading, carried by the gyros */
     double dv[3], span_s;         /* velocity change since levelling, in l */
+    double leaning_s;             /* since the last calm interval */
     pel_time_t since_ns;          /* start of the interval */
     double dv_since[3], v_since_e[3];
     double n, a[2], b[2], aa, bb, dot, cross; /* weighted sums of the mean accelerations of both series */

@@ -313,6 +313,13 @@ static int satellites_used(const pel_navigator_t *nav)
     return n;
 }
 
+static void stop(pel_navigator_t *nav)
+{
+    if (nav->ins) { pel_nav_reset_alignment(nav); }
+    nav->ins = false;
+    nav->have_state = false;
+}
+
 /* A filter that refuses its measurements for many epochs, or lost its factors, starts again and says so. */
 static void watch_health(pel_navigator_t *nav, const update_t *u)
 {
@@ -326,10 +333,10 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     if (!broken && nav->doubts < MAX_DOUBTS) { return; }
     nav->counters.restarts++;
     nav->epoch_solution.flags |= PEL_SOL_RESTARTED;
-    if (nav->ins) { pel_nav_reset_alignment(nav); }
-    nav->ins = false;
-    nav->have_state = false;
-    if (nav->have_spp) { pel_nav_start_gnss(nav, &nav->spp); }
+    const bool fresh = nav->have_spp && nav->spp.t_ns == nav->at_horizon.t_ns; /* never back in time */
+    stop(nav);
+    nav->relative = false; /* a single-point solution says so */
+    if (fresh) { pel_nav_start_gnss(nav, &nav->spp); }
 }
 
 static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base, update_t *u)
@@ -338,7 +345,7 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     nav->last_fix = !nav->relative ? PEL_FIX_SPP : (u->held_used >= 3) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
     if (nav->last_fix == PEL_FIX_FIXED) { u->ints.reason = PEL_INT_OK; }
     nav->counters.epochs_used++;
-    nav->epoch_before_ns = nav->last_epoch_ns = nav->at_horizon.t_ns;
+    nav->last_epoch_ns = nav->at_horizon.t_ns;
     out->int_reason = (uint8_t)u->ints.reason;
     out->ratio = (float)u->ints.ratio;
     out->success_rate = (float)u->ints.success;
@@ -348,6 +355,7 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     out->n_sat = (uint8_t)satellites_used(nav);
     pel_nav_note_used(nav, rover, base);
     pel_nav_try_start_ins(nav);
+    nav->epoch_before_ns = nav->at_horizon.t_ns;
     for (int k = 0; k < 3; k++) { nav->v_before_e[k] = nav->at_horizon.v_eb_e[k]; }
     pel_nav_fill_solution(nav, &nav->at_horizon, out);
     out->flags |= PEL_SOL_AT_EPOCH;
@@ -370,10 +378,9 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
         }
         if (status == PEL_OK) { return true; }
         nav->counters.restarts++;
-        nav->have_state = false;
+        stop(nav); /* also where no start follows: an INS without its factors must not go on telling */
     }
     if (!solved) { return false; }
-    if (nav->ins) { pel_nav_reset_alignment(nav); }
     pel_nav_start_gnss(nav, &nav->spp);
     return nav->have_state;
 }

@@ -204,6 +204,7 @@ static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
         pel_imu_ring_init(&nav->ring);
         pel_nav_drop_ins(nav);
         pel_nav_reset_alignment(nav);
+        nav->cfg.have_attitude = false; /* the turns since the first increment are lost */
         return;
     }
     const double scale = (gap_s + body->dt_s) / body->dt_s;

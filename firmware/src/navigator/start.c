@@ -10,7 +10,9 @@
 #define START_SD_V_MPS 0.5
 #define UNKNOWN_SD_V_MPS 10.0       /* no Doppler */
 #define STATIC_MIN_S 20.0           /* gyrocompassing and gyro calibration need this much standing still */
+#define STILL_MPS 0.5               /* a steady turn or a straight flight looks static to an IMU: GNSS must say so too */
 #define LEVEL_SPAN_S 1.0            /* specific force is averaged this long to level while moving */
+#define RATE_SPAN_S 0.02            /* angular rate likewise, for the lever arm's rate */
 #define LEVEL_SD_RAD (4.0 * PEL_DEG)
 #define COURSE_SD_RAD (15.0 * PEL_DEG) /* crab, and a forward axis mounted by hand */
 #define COMPASS_SD_MAX_RAD (3.0 * PEL_DEG)
@@ -118,30 +120,37 @@ static void carry_given_attitude(const pel_navigator_t *nav, pel_time_t t_ns, do
     for (int k = 0; k < 3; k++) { copy3(now[k], out->C_b_e[k]); }
 }
 
-/* Mean specific force over the last LEVEL_SPAN_S before t. False if the ring does not hold half of it. */
-static bool mean_specific_force(const pel_navigator_t *nav, pel_time_t t_ns, double f_ib_b[3])
+/* Mean specific force and angular rate over at most the last longest_s before t. Returns what the ring holds of it, s. */
+static double ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double longest_s, double f_ib_b[3], double omega_ib_b[3])
 {
-    double sum[3] = {0.0, 0.0, 0.0};
     double span_s = 0.0;
-    for (int i = pel_imu_ring_after(&nav->ring, t_ns) - 1; i >= 0 && span_s < LEVEL_SPAN_S; i--) {
+    for (int k = 0; k < 3; k++) { f_ib_b[k] = omega_ib_b[k] = 0.0; }
+    for (int i = pel_imu_ring_after(&nav->ring, t_ns) - 1; i >= 0 && span_s < longest_s; i--) {
         const pel_imu_t *imu = pel_imu_ring_at(&nav->ring, i);
         span_s += imu->dt_s;
-        for (int k = 0; k < 3; k++) { sum[k] += imu->upsilon_ib_b[k]; }
+        for (int k = 0; k < 3; k++) {
+            f_ib_b[k] += imu->upsilon_ib_b[k];
+            omega_ib_b[k] += imu->alpha_ib_b[k];
+        }
     }
-    for (int k = 0; k < 3; k++) { f_ib_b[k] = sum[k] / span_s; }
-    return span_s > 0.25 * LEVEL_SPAN_S;
+    for (int k = 0; k < 3 && span_s > 0.0; k++) {
+        f_ib_b[k] /= span_s;
+        omega_ib_b[k] /= span_s;
+    }
+    return span_s;
 }
 
 /* Level from gravity and the GNSS acceleration, heading from the course over ground. */
 static bool align_moving(const pel_navigator_t *nav, double lat, double lon, double h, pel_alignment_t *out)
 {
     const pel_strapdown_t *s = &nav->at_horizon;
-    double C_e_enu[3][3], v_enu[3], dv_e[3], a_enu[3], f_ib_b[3];
+    double C_e_enu[3][3], v_enu[3], dv_e[3], a_enu[3], f_ib_b[3], omega_ib_b[3];
     pel_earth_C_e_enu(lat, lon, C_e_enu);
     pel_mat3_vec(C_e_enu, s->v_eb_e, v_enu);
     const double speed = pel_sqrt(v_enu[0] * v_enu[0] + v_enu[1] * v_enu[1]);
     const double dt_s = pel_time_diff_s(s->t_ns, nav->epoch_before_ns);
-    if (speed < nav->cfg.align_speed_mps || !mean_specific_force(nav, s->t_ns, f_ib_b)) { return false; }
+    if (speed < nav->cfg.align_speed_mps) { return false; }
+    if (ring_mean(nav, s->t_ns, LEVEL_SPAN_S, f_ib_b, omega_ib_b) < 0.25 * LEVEL_SPAN_S) { return false; }
     for (int k = 0; k < 3; k++) { dv_e[k] = (s->v_eb_e[k] - nav->v_before_e[k]) / pel_max(dt_s, 0.05); }
     pel_mat3_vec(C_e_enu, dv_e, a_enu);
     const bool have_a = nav->epoch_before_ns != 0 && dt_s < 1.5;
@@ -150,11 +159,13 @@ static bool align_moving(const pel_navigator_t *nav, double lat, double lon, dou
                            out) == PEL_OK;
 }
 
+static bool stands_still(const pel_navigator_t *nav) { return pel_norm3(nav->at_horizon.v_eb_e) < STILL_MPS; }
+
 /* While standing still the gyros show their own error (and 15 deg/h of the Earth): better than the data sheet. */
 static void calibrate_gyros(pel_navigator_t *nav, const double C_b_e[3][3], pel_real sd[PEL_MAX_STATES])
 {
     const double t_s = nav->align.t_static_s;
-    if (t_s < 1.0) { return; }
+    if (t_s < 1.0 || !stands_still(nav)) { return; }
     const double omega_ie_e[3] = {0.0, 0.0, PEL_OMEGA_IE};
     double omega_ie_b[3];
     pel_mat3_tvec(C_b_e, omega_ie_e, omega_ie_b);
@@ -170,11 +181,11 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
 {
     double lat, lon, h;
     pel_earth_ecef_to_llh(nav->at_horizon.r_eb_e, &lat, &lon, &h);
-    if (nav->cfg.have_attitude && nav->counters.restarts == 0) {
+    if (nav->cfg.have_attitude) {
         carry_given_attitude(nav, nav->at_horizon.t_ns, lat, lon, out);
         return true;
     }
-    if (nav->align.t_static_s >= STATIC_MIN_S && nav->align.still &&
+    if (nav->align.t_static_s >= STATIC_MIN_S && nav->align.still && stands_still(nav) &&
         pel_align_gyrocompass(&nav->align, lat, lon, h, COMPASS_SD_MAX_RAD, out) == PEL_OK) {
         return true;
     }
@@ -184,6 +195,38 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
     pel_attitude_from_C_b_enu(C_b_enu, &roll, &pitch, &heading);
     pel_align_from_attitude(roll, pitch, heading, LEVEL_SD_RAD, sd_heading, lat, lon, out);
     return true;
+}
+
+static void put_cross_block(pel_transition_t *t, int row, int col, const double a[3])
+{
+    const double A[3][3] = {{0.0, -a[2], a[1]}, {a[2], 0.0, -a[0]}, {-a[1], a[0], 0.0}};
+    t->block[t->n_blocks].row = (uint8_t)row;
+    t->block[t->n_blocks].col = (uint8_t)col;
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) { t->block[t->n_blocks].m[i][j] = (pel_real)A[i][j]; }
+    }
+    t->n_blocks++;
+}
+
+/* State and covariance of the antenna become those of the IMU: r_b = r_a - C l, so dr_b = dr_a + [C l x] psi; velocity alike
+ * with the arm's rate. Without these terms a well-known antenna would make a vague attitude look as well known. */
+static pel_status_t antenna_to_imu(pel_navigator_t *nav)
+{
+    pel_antenna_t ant;
+    pel_transition_t t;
+    double f_ib_b[3], r_e[3], v_e[3];
+    (void)ring_mean(nav, nav->at_horizon.t_ns, RATE_SPAN_S, f_ib_b, nav->omega_ib_b);
+    for (int k = 0; k < 3; k++) { nav->omega_ib_b[k] -= nav->errors.gyro_constant[k]; }
+    pel_nav_antenna(nav, &ant, r_e, v_e);
+    for (int k = 0; k < 3; k++) {
+        nav->at_horizon.r_eb_e[k] -= ant.lever_e[k];
+        nav->at_horizon.v_eb_e[k] -= ant.lever_rate_e[k];
+    }
+    memset(&t, 0, sizeof t);
+    t.n = nav->model.n;
+    put_cross_block(&t, ant.i_v, ant.i_psi, ant.lever_rate_e);
+    put_cross_block(&t, ant.i_r, ant.i_psi, ant.lever_e);
+    return pel_ud_time_update(&nav->ud, &t);
 }
 
 static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
@@ -207,16 +250,15 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
     }
     if (status == PEL_OK) { status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_VELOCITY), P_v); }
     if (status == PEL_OK) { status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_r); }
+    nav->ins = true;
+    nav->cfg.have_attitude = false; /* that of the first increment: good for one start */
+    for (int i = 0; i < 3; i++) { copy3(attitude->C_b_e[i], nav->at_horizon.C_b_e[i]); }
+    if (status == PEL_OK) { status = antenna_to_imu(nav); }
     if (status != PEL_OK) {
         nav->counters.numeric_faults++;
-        nav->have_state = false;
+        nav->ins = nav->have_state = false;
         return;
     }
-    nav->ins = true;
-    for (int i = 0; i < 3; i++) { copy3(attitude->C_b_e[i], nav->at_horizon.C_b_e[i]); }
-    double lever_e[3];
-    pel_mat3_vec(nav->at_horizon.C_b_e, nav->cfg.lever_ba_b, lever_e);
-    for (int k = 0; k < 3; k++) { nav->at_horizon.r_eb_e[k] -= lever_e[k]; }
     pel_coning_init(&nav->coning_horizon);
     pel_propagator_init(&nav->propagator, nav->at_horizon.C_b_e);
     nav->poses.n = 0;

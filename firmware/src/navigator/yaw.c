@@ -2,7 +2,8 @@
  *
  * A levelled frame l (z up, heading arbitrary) is carried by the gyros. Over each GNSS interval the IMU gives a horizontal
  * velocity change in l, the Doppler velocities one in enu; the rotation between the two series is the heading. Means are
- * removed, so that a tilt or accelerometer error, constant in l, does not turn the answer. */
+ * removed, so that a tilt or accelerometer error, constant in l, does not turn the answer. In a long turn specific force leans with
+ * the bank: l is levelled only while GNSS sees no such acceleration, and carried by the gyros through it. */
 #include <string.h>
 
 #include "internal.h"
@@ -12,6 +13,8 @@
 
 #define LEVEL_AFTER_S 1.0      /* first levelling averages this long */
 #define LEVEL_TAU_S 10.0       /* tilt drift is pulled back to gravity this slowly */
+#define CALM_MPS2 0.5          /* 3 degrees of apparent tilt, within LEVEL_SD_RAD of start.c */
+#define DRIFT_MAX_RAD (4.0 * PEL_DEG) /* of the gyros between calm intervals: beyond it levelling begins anew */
 #define SHORTEST_S 0.4         /* shorter intervals drown in Doppler noise */
 #define LONGEST_S 2.5          /* longer ones had an outage in them */
 #define MEMORY 30.0            /* intervals remembered */
@@ -41,6 +44,7 @@ static void level(pel_yaw_t *y)
         y->dv[k] = 0.0;
     }
     y->levelled = true;
+    y->since_ns = 0; /* an interval does not reach across it */
     y->span_s = 0.0;
 }
 
@@ -49,7 +53,7 @@ void pel_nav_yaw_increment(pel_yaw_t *y, const pel_imu_t *body)
     y->span_s += body->dt_s;
     if (!y->levelled) {
         for (int k = 0; k < 3; k++) { y->dv[k] += body->upsilon_ib_b[k]; }
-        if (y->span_s >= LEVEL_AFTER_S) { level(y); }
+        if (y->span_s >= LEVEL_AFTER_S && y->calm) { level(y); }
         return;
     }
     double turn[3][3], C[3][3], dv_l[3];
@@ -57,7 +61,8 @@ void pel_nav_yaw_increment(pel_yaw_t *y, const pel_imu_t *body)
     pel_mat3_mul(y->C_b_l, turn, C);
     pel_mat3_vec(C, body->upsilon_ib_b, dv_l);
     for (int k = 0; k < 3; k++) { y->dv[k] += dv_l[k]; }
-    const double pull = 1.0 / (LEVEL_TAU_S * 9.8);
+    const double pull = y->calm ? 1.0 / (LEVEL_TAU_S * 9.8) : 0.0;
+    y->leaning_s = y->calm ? 0.0 : y->leaning_s + body->dt_s;
     const double back[3] = {dv_l[1] * pull, -dv_l[0] * pull, 0.0}; /* f_l x z */
     pel_rotvec_to_dcm(back, turn);
     pel_mat3_mul(turn, C, y->C_b_l);
@@ -97,11 +102,18 @@ static void remember(pel_yaw_t *y, const double a[2], const double b[2])
     y->cross = y->cross * keep + a[0] * b[1] - a[1] * b[0];
 }
 
+static void wait_for_calm(pel_yaw_t *y)
+{
+    y->span_s = 0.0;
+    for (int k = 0; k < 3; k++) { y->dv[k] = 0.0; }
+}
+
 void pel_nav_yaw_epoch(pel_navigator_t *nav)
 {
     pel_yaw_t *y = &nav->yaw;
     const pel_spp_t *spp = &nav->spp;
-    if (!y->levelled || !nav->have_spp || !spp->has_velocity || spp->t_ns != nav->at_horizon.t_ns) { return; }
+    if (y->leaning_s * nav->cfg.imu.sd_bg_radps > DRIFT_MAX_RAD) { memset(y, 0, sizeof *y); }
+    if (!nav->have_spp || !spp->has_velocity || spp->t_ns != nav->at_horizon.t_ns) { return; }
     double C_b_l[3][3], dv[3], lat, lon, h, C_e_enu[3][3], dv_e[3], dv_enu[3];
     rewind_to(nav, spp->t_ns, C_b_l, dv);
     const double span_s = pel_time_diff_s(spp->t_ns, y->since_ns);
@@ -110,8 +122,11 @@ void pel_nav_yaw_epoch(pel_navigator_t *nav)
     pel_earth_C_e_enu(lat, lon, C_e_enu);
     for (int k = 0; k < 3; k++) { dv_e[k] = spp->v_ea_e[k] - y->v_since_e[k]; }
     pel_mat3_vec(C_e_enu, dv_e, dv_enu);
-    if (y->since_ns != 0 && span_s < LONGEST_S) {
-        const double per_s = 1.0 / span_s;
+    const bool whole = y->since_ns != 0 && span_s < LONGEST_S;
+    const double per_s = whole ? 1.0 / span_s : 0.0;
+    y->calm = whole && pel_sqrt(dv_enu[0] * dv_enu[0] + dv_enu[1] * dv_enu[1]) * per_s < CALM_MPS2;
+    if (!y->calm && !y->levelled) { wait_for_calm(y); }
+    if (whole && y->levelled) {
         const double a[2] = {(dv[0] - y->dv_since[0]) * per_s, (dv[1] - y->dv_since[1]) * per_s};
         const double b[2] = {dv_enu[0] * per_s, dv_enu[1] * per_s};
         remember(y, a, b);
