@@ -1,7 +1,7 @@
 # The front door. `make help` lists the verbs; each is one line into CMake or a script.
 BOARD ?= mps2-an386
 JOBS ?= $(shell nproc)
-CMAKE_HOST = cmake/bootstrap.sh host && cmake --preset host --log-level=WARNING && cmake --build build/host -j $(JOBS)
+CMAKE_HOST = cmake/bootstrap.sh host && cmake --preset host --log-level=WARNING >/dev/null && cmake --build build/host -j $(JOBS)
 PYTHON = PATH="$(CURDIR)/build/bin:$(CURDIR)/build/deps/venv/bin:$$PATH" PYTHONPATH="$(CURDIR)/tools:$(CURDIR)/build/host/lcm/python" build/deps/venv/bin/python
 export PYTHONDONTWRITEBYTECODE = 1
 
@@ -30,7 +30,7 @@ format: ## clang-format every C and C++ file
 	@git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp' | xargs clang-format -i
 
 asan: ## build everything and run the unit tests under address and undefined-behaviour sanitizers
-	@cmake/bootstrap.sh host test && cmake --preset host-asan --log-level=WARNING && cmake --build build/asan -j $(JOBS) && ctest --test-dir build/asan -L unit -j $(JOBS) --output-on-failure
+	@cmake/bootstrap.sh host test && cmake --preset host-asan --log-level=WARNING >/dev/null && cmake --build build/asan -j $(JOBS) && ctest --test-dir build/asan -L unit -j $(JOBS) --output-on-failure
 
 clean: ## remove what was built, keep what was fetched
 	@find build -mindepth 1 -maxdepth 1 ! -name deps -exec rm -rf {} + 2>/dev/null; true

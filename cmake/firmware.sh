@@ -10,8 +10,8 @@ fi
 cmake/bootstrap.sh firmware
 preset=$(sed -n 's/^set(PEL_BOARD_PRESET \(.*\))/\1/p' "hal/$board/board.cmake")
 build=build/$board
-cmake --preset "$preset" -B "$build" -DPEL_BOARD="$board" -DPEL_SIZES="${SIZES:-}" --log-level=WARNING
-cmake --build "$build" -j "${JOBS:-2}"
+cmake --preset "$preset" -B "$build" -DPEL_BOARD="$board" -DPEL_SIZES="${SIZES:-}" --log-level=WARNING --no-warn-unused-cli >/dev/null
+cmake --build "$build" -j "${JOBS:-2}" -- --quiet
 python3 cmake/firmware_report.py "$build/hal/pelorus-$board.elf" "$build"
 
 # The navigator's RAM budget of the design is for 2 x 32 signals; the board has the sizes of config.h and board.cmake.

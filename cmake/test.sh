@@ -5,9 +5,9 @@ cd "$(dirname "$0")/.."
 jobs=${JOBS:-$(nproc)}
 cmake/bootstrap.sh host test
 
-cmake --preset host --log-level=WARNING
+cmake --preset host --log-level=WARNING >/dev/null
 cmake --build build/host -j "$jobs"
-cmake --preset host-asan --log-level=WARNING
+cmake --preset host-asan --log-level=WARNING >/dev/null
 cmake --build build/asan -j "$jobs" --target unit_tests
 
 failed=0
