@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 
 #define LIVE_TIMEOUT_MS 3000 /* a live input silent for this long has ended, once it has begun */
@@ -34,6 +35,12 @@ static int64_t monotonic_ns(void)
 }
 
 static bool is_url(const char *name) { return strstr(name, "://") != NULL; }
+
+static bool is_same_file(const char *a, const char *b)
+{
+    struct stat sa, sb;
+    return stat(a, &sa) == 0 && stat(b, &sb) == 0 && S_ISREG(sa.st_mode) && sa.st_dev == sb.st_dev && sa.st_ino == sb.st_ino;
+}
 
 static bool next_event(void)
 {
@@ -135,9 +142,13 @@ int desktop_open(const desktop_options_t *options)
         fprintf(stderr, "pelorus-sil: cannot read %s: %s\n", options->input, strerror(errno));
         return 3;
     }
+    if (is_same_file(options->input, options->output)) { /* creating it would destroy the capture */
+        fprintf(stderr, "pelorus-sil: input and output are the same file, %s\n", options->input);
+        return EXIT_USAGE;
+    }
     if (is_url(options->output)) { desktop.live_out = desktop_live_open(options->output); }
     if (is_url(options->output) ? desktop.live_out == NULL : !capture_log_create(&desktop.out, options->output)) {
-        fprintf(stderr, "pelorus-sil: cannot write %s\n", options->output);
+        fprintf(stderr, "pelorus-sil: cannot write %s: %s\n", options->output, strerror(errno));
         return 3;
     }
     look_for_setup();

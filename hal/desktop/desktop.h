@@ -37,7 +37,7 @@ const char *desktop_setup_text(void);
 int desktop_config_from_file(const char *path, pel_nav_config_t *cfg, char *why, size_t cap);
 int desktop_config_from_text(const char *text, const char *name, pel_nav_config_t *cfg, char *why, size_t cap);
 
-/* Live input over LCM: run until interrupted or idle_s without an event (0: for ever). */
+/* Live LCM. next: false when nothing came for timeout_ms; the event is valid until the next call. */
 typedef struct desktop_live_t desktop_live_t;
 desktop_live_t *desktop_live_open(const char *url);
 bool desktop_live_next(desktop_live_t *live, capture_event_t *event, int timeout_ms);

@@ -24,6 +24,17 @@ static void read_words(config_file_t *c, const char *path, const char *const *wo
     }
 }
 
+/* A number that the navigator can work with. */
+static double within(config_file_t *c, const char *path, double fallback, double least, double most)
+{
+    char what[64];
+    const double x = config_file_number(c, path, fallback);
+    if (x >= least && x <= most) { return x; }
+    (void)snprintf(what, sizeof what, "lies within %g and %g", least, most);
+    config_file_complain(c, path, what);
+    return fallback;
+}
+
 static void read_preset(config_file_t *c, pel_nav_config_t *cfg)
 {
     static const struct {
@@ -53,11 +64,11 @@ static void read_general(config_file_t *c, pel_nav_config_t *cfg)
     cfg->mask_rad = config_file_number(c, "navigator.mask_deg", cfg->mask_rad / PEL_DEG) * PEL_DEG;
     if (!(cfg->mask_rad >= 0.0 && cfg->mask_rad < PEL_PI / 2.0)) { config_file_complain(c, "navigator.mask_deg", "lies within 0 and 90"); }
     cfg->integer_mask_rad = pel_max(cfg->mask_rad, cfg->integer_mask_rad);
-    cfg->integer_mask_rad = config_file_number(c, "navigator.integers.mask_deg", cfg->integer_mask_rad / PEL_DEG) * PEL_DEG;
+    cfg->integer_mask_rad = within(c, "navigator.integers.mask_deg", cfg->integer_mask_rad / PEL_DEG, 0.0, 90.0) * PEL_DEG;
     read_words(c, "navigator.systems", SYSTEMS, PEL_N_SYS, &cfg->systems);
     read_words(c, "navigator.carriers", CARRIERS, PEL_N_CARRIER, &cfg->carriers);
-    cfg->coast_after_s = (float)config_file_number(c, "navigator.coast_after_s", (double)cfg->coast_after_s);
-    cfg->apply_delay_s = (float)config_file_number(c, "navigator.apply_delay_s", (double)cfg->apply_delay_s);
+    cfg->coast_after_s = (float)within(c, "navigator.coast_after_s", (double)cfg->coast_after_s, 0.0, 3600.0);
+    cfg->apply_delay_s = (float)within(c, "navigator.apply_delay_s", (double)cfg->apply_delay_s, 0.0, 10.0);
 }
 
 static void read_imu(config_file_t *c, pel_nav_config_t *cfg)
@@ -68,7 +79,7 @@ static void read_imu(config_file_t *c, pel_nav_config_t *cfg)
     if (strcmp(model, "tactical") == 0) { pel_imu_model_preset(PEL_IMU_GRADE_TACTICAL, imu); }
     else if (strcmp(model, "mems") == 0 || strcmp(model, "custom") == 0) { pel_imu_model_preset(PEL_IMU_GRADE_MEMS, imu); }
     else { config_file_complain(c, "navigator.imu.model", "is one of tactical, mems, custom"); }
-    imu->accel_psd_rts = config_file_number(c, "navigator.gnss.accel_mps2_rthz", accel_psd);
+    imu->accel_psd_rts = within(c, "navigator.gnss.accel_mps2_rthz", accel_psd, 1e-4, 1e3);
     imu->arw_rad_rts = config_file_number(c, "navigator.imu.arw_deg_rth", imu->arw_rad_rts / DEG_PER_ROOT_HOUR) * DEG_PER_ROOT_HOUR;
     imu->vrw_mps_rts = config_file_number(c, "navigator.imu.vrw_mps_rth", imu->vrw_mps_rts * 60.0) / 60.0;
     imu->sd_bg_radps = config_file_number(c, "navigator.imu.gyro_bias_deg_h", imu->sd_bg_radps / DEG_PER_HOUR) * DEG_PER_HOUR;
@@ -119,9 +130,9 @@ static void read_start(config_file_t *c, pel_nav_config_t *cfg)
         cfg->pitch_rad = attitude_deg[1] * PEL_DEG;
         cfg->heading_rad = attitude_deg[2] * PEL_DEG;
     }
-    cfg->sd_tilt_rad = config_file_number(c, "navigator.start.sd_tilt_deg", cfg->sd_tilt_rad / PEL_DEG) * PEL_DEG;
-    cfg->sd_heading_rad = config_file_number(c, "navigator.start.sd_heading_deg", cfg->sd_heading_rad / PEL_DEG) * PEL_DEG;
-    cfg->align_speed_mps = config_file_number(c, "navigator.start.align_speed_mps", cfg->align_speed_mps);
+    cfg->sd_tilt_rad = within(c, "navigator.start.sd_tilt_deg", cfg->sd_tilt_rad / PEL_DEG, 1e-5, 90.0) * PEL_DEG;
+    cfg->sd_heading_rad = within(c, "navigator.start.sd_heading_deg", cfg->sd_heading_rad / PEL_DEG, 1e-5, 180.0) * PEL_DEG;
+    cfg->align_speed_mps = within(c, "navigator.start.align_speed_mps", cfg->align_speed_mps, 0.0, 1e3);
 }
 
 /* One figure at the zenith; with the elevation law half of its variance grows as 1/sin^2. */
@@ -149,16 +160,18 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     if (!cfg->no_ionosphere && strcmp(ionosphere, "broadcast") != 0) {
         config_file_complain(c, "navigator.gnss.ionosphere", "is one of broadcast, none");
     }
-    cfg->single_code_tau_s = config_file_number(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s);
+    cfg->single_code_tau_s = within(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s, 0.0, 1e5);
     cfg->noise.cn0_ref_dbhz = config_file_number(c, "navigator.gnss.cn0_ref_dbhz", cfg->noise.cn0_ref_dbhz);
     cfg->noise_single.cn0_ref_dbhz = cfg->noise.cn0_ref_dbhz;
-    cfg->noise.iono_mm_per_km = config_file_number(c, "navigator.gnss.iono_mm_per_km", cfg->noise.iono_mm_per_km);
-    cfg->base_max_age_s = (float)config_file_number(c, "navigator.gnss.base_max_age_s", (double)cfg->base_max_age_s);
-    cfg->base_wait_s = (float)config_file_number(c, "navigator.gnss.base_wait_s", (double)cfg->base_wait_s);
+    cfg->noise.iono_mm_per_km = within(c, "navigator.gnss.iono_mm_per_km", cfg->noise.iono_mm_per_km, 0.0, 1e3);
+    cfg->base_max_age_s = (float)within(c, "navigator.gnss.base_max_age_s", (double)cfg->base_max_age_s, 0.0, 3600.0);
+    cfg->base_wait_s = (float)within(c, "navigator.gnss.base_wait_s", (double)cfg->base_wait_s, 0.0, 60.0);
     cfg->integers = config_file_bool(c, "navigator.integers.enable", cfg->integers);
-    cfg->ratio_min = (float)config_file_number(c, "navigator.integers.ratio_min", (double)cfg->ratio_min);
-    cfg->success_min = (float)config_file_number(c, "navigator.integers.success_min", (double)cfg->success_min);
-    cfg->node_budget = (int32_t)config_file_integer(c, "navigator.integers.node_budget", cfg->node_budget);
+    cfg->ratio_min = (float)within(c, "navigator.integers.ratio_min", (double)cfg->ratio_min, 1.0, 1e6);
+    cfg->success_min = (float)within(c, "navigator.integers.success_min", (double)cfg->success_min, 0.0, 1.0);
+    const int64_t nodes = config_file_integer(c, "navigator.integers.node_budget", cfg->node_budget);
+    if (nodes < 1 || nodes > 1000000000) { config_file_complain(c, "navigator.integers.node_budget", "lies within 1 and 1e9"); }
+    else { cfg->node_budget = (int32_t)nodes; }
 }
 
 static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t cap)

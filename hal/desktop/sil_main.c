@@ -28,7 +28,8 @@ static void add_outage(const cli_t *cli, desktop_options_t *o)
     char rest;
     if (o->n_outages == DESKTOP_MAX_OUTAGES) { cli_fail(cli, "at most %d outages", DESKTOP_MAX_OUTAGES); }
     desktop_outage_t *outage = &o->outage[o->n_outages++];
-    if (sscanf(cli->value, "%lf,%lf%c", &outage->start_s, &outage->duration_s, &rest) != 2 || outage->duration_s <= 0.0) {
+    if (sscanf(cli->value, "%lf,%lf%c", &outage->start_s, &outage->duration_s, &rest) != 2 ||
+        !(outage->start_s >= 0.0 && outage->duration_s > 0.0)) {
         cli_fail(cli, "--outage takes START,LENGTH in seconds, not '%s'", cli->value);
     }
 }
@@ -104,8 +105,9 @@ int main(int argc, char **argv)
     options.input = cli.rest[0];
     options.cli = &cli;
 
-    int code = desktop_open(&options);
-    if (code == 0) { code = check_config(options.config); }
+    int code = (options.config != NULL) ? check_config(options.config) : 0; /* before an earlier OUT is overwritten */
+    if (code == 0) { code = desktop_open(&options); }
+    if (code == 0 && options.config == NULL) { code = check_config(NULL); }
     if (code == 0) {
         firmware_main();
         code = desktop_close();

@@ -1,6 +1,7 @@
 /* config_file.cpp - see config_file.h. The one C++ file of the tools: a C face on toml++. */
 #include "config_file.h"
 
+#include <cmath>
 #include <algorithm>
 #include <cstring>
 #include <iostream>
@@ -185,7 +186,8 @@ double config_file_number(config_file_t *c, const char *path, double fallback)
 {
     const toml::node *node = find(*c, path);
     if (node == nullptr) { return fallback; }
-    if (node->is_number()) { return node->value<double>().value_or(fallback); }
+    const double number = node->is_number() ? node->value<double>().value_or(NAN) : NAN;
+    if (std::isfinite(number)) { return number; } /* TOML knows nan and inf; no setting of ours does */
     wrong_type(*c, path, *node, "a number");
     return fallback;
 }
@@ -232,7 +234,10 @@ bool config_file_numbers(config_file_t *c, const char *path, double *out, int n)
     if (node == nullptr) { return false; }
     const toml::array *array = node->as_array();
     bool ok = array != nullptr && array->size() == static_cast<size_t>(n);
-    for (int i = 0; ok && i < n; i++) { ok = array->get(static_cast<size_t>(i))->is_number(); }
+    for (int i = 0; ok && i < n; i++) {
+        const toml::node *element = array->get(static_cast<size_t>(i));
+        ok = element->is_number() && std::isfinite(element->value<double>().value_or(NAN));
+    }
     if (!ok) {
         wrong_type(*c, path, *node, ("an array of " + std::to_string(n) + " numbers").c_str());
         return false;
