@@ -111,11 +111,13 @@ static void fill_event(pel_navigator_t *nav, int age)
     photogrammetric_angles(C_c_m, out);
     out->t_ns = nav->event_t_ns;
     out->id = nav->event_id;
-    out->fix = nav->solution.fix;
+    const bool predicted = nav->solution.t_ns >= nav->epoch_solution.t_ns; /* there is none without an output rate */
+    const pel_solution_t *s = predicted ? &nav->solution : &nav->epoch_solution;
+    out->fix = s->fix;
     const int diagonal[3] = {0, 3, 5};
     for (int k = 0; k < 3; k++) {
-        out->sd_r_m[k] = (float)pel_sqrtr((pel_real)nav->solution.cov_r_ned[diagonal[k]]);
-        out->sd_att_rad[k] = (float)pel_sqrtr((pel_real)nav->solution.cov_att[diagonal[k]]);
+        out->sd_r_m[k] = (float)pel_sqrtr((pel_real)s->cov_r_ned[diagonal[k]]);
+        out->sd_att_rad[k] = (float)pel_sqrtr((pel_real)s->cov_att[diagonal[k]]);
     }
 }
 

@@ -41,7 +41,7 @@ static pel_time_t stream_now(const pel_navigator_t *nav)
 
 static bool imu_has_passed(const pel_navigator_t *nav, pel_time_t t_ns)
 {
-    const bool alive = nav->last_imu_ns != 0 && nav->last_imu_ns > t_ns - IMU_ALIVE_NS;
+    const bool alive = nav->last_imu_ns != 0 && nav->last_imu_ns > stream_now(nav) - IMU_ALIVE_NS;
     if (!alive) { return true; }
     const int64_t delay_ns = (int64_t)((double)nav->cfg.apply_delay_s * 1e9);
     return nav->last_imu_ns >= t_ns + ((delay_ns > IMU_SETTLE_NS) ? delay_ns : IMU_SETTLE_NS);
@@ -78,7 +78,7 @@ static pel_epoch_t *choose_base(pel_navigator_t *nav, pel_time_t t_ns)
 static void apply_oldest(pel_navigator_t *nav)
 {
     pel_epoch_t *base = choose_base(nav, nav->rover[0].t_ns);
-    if (base == NULL && nav->n_base > 0) { nav->counters.epochs_unpaired++; }
+    if (base == NULL && nav->n_base > 0 && preset_uses_base(nav->cfg.preset)) { nav->counters.epochs_unpaired++; }
     pel_nav_apply_epoch(nav, &nav->rover[0], base);
     nav->n_rover--;
     memmove(&nav->rover[0], &nav->rover[1], (size_t)nav->n_rover * sizeof nav->rover[0]);
@@ -118,7 +118,10 @@ void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
     if (nav->n_rover == PEL_ROVER_QUEUE) { apply_oldest(nav); }
     int place = nav->n_rover;
     while (place > 0 && nav->rover[place - 1].t_ns > epoch->t_ns) { place--; }
-    if (place > 0 && nav->rover[place - 1].t_ns == epoch->t_ns) { return; }
+    if (place > 0 && nav->rover[place - 1].t_ns == epoch->t_ns) {
+        nav->counters.epochs_late++;
+        return;
+    }
     memmove(&nav->rover[place + 1], &nav->rover[place], (size_t)(nav->n_rover - place) * sizeof nav->rover[0]);
     copy_allowed(nav, epoch, &nav->rover[place]);
     nav->n_rover++;

@@ -165,7 +165,8 @@ void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel
     u.base_used = nav->relative;
     u.base_why = (uint8_t)base_why(nav);
     const bool differs = nav->cfg.preset != PEL_PRESET_AUTO && u.preset_used != u.preset_asked;
-    u.preset_why = !differs ? PEL_WHY_NONE : u.imu_used ? u.base_why : u.imu_why;
+    const bool lacks_imu = !nav->ins && (u.preset_asked == PEL_PRESET_INS_SINGLE || u.preset_asked == PEL_PRESET_INS_RTK);
+    u.preset_why = !differs ? PEL_WHY_NONE : lacks_imu ? u.imu_why : u.base_why;
     for (int sys = 0; sys < PEL_N_SYS; sys++) { u.sys_why[sys] = (uint8_t)system_why(nav, &u, sys); }
     u.arw_rad_rts = (float)nav->cfg.imu.arw_rad_rts;
     u.vrw_mps_rts = (float)nav->cfg.imu.vrw_mps_rts;

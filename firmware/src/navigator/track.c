@@ -108,6 +108,25 @@ void pel_nav_track_drop(pel_navigator_t *nav, const pel_sd_t *sd)
 
 /* ---- after a search: what was validated is held --------------------------------------------------------------------------- */
 
+static bool is_seen(const pel_navigator_t *nav, const pel_tracked_t *t)
+{
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        if (t->sys == sd->sys && t->prn == sd->prn && t->carrier == sd->carrier) { return true; }
+    }
+    return false;
+}
+
+/* Satellites that have set keep their place until it is needed. */
+static void make_room(pel_navigator_t *nav)
+{
+    if (nav->track.n < PEL_MAX_TRACKED && nav->ud.n < PEL_MAX_STATES) { return; }
+    for (int i = nav->track.n - 1; i >= 0; i--) {
+        if (!is_seen(nav, &nav->track.entry[i])) { drop(nav, i); }
+    }
+    drop_orphans(nav);
+}
+
 static pel_tracked_t *get_or_add(pel_navigator_t *nav, const pel_sd_t *sd)
 {
     pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
@@ -144,6 +163,7 @@ static double pivot_integer(pel_navigator_t *nav, const pel_nav_integers_t *ints
 
 void pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
 {
+    make_room(nav);
     for (int first = 0; first < nav->sd.n;) {
         int last = first + 1, pivot = -1, n = ints->fixed[first] ? 1 : 0;
         while (last < nav->sd.n && nav->sd.sd[last].group == nav->sd.sd[first].group) {
@@ -216,6 +236,7 @@ static void begin_group(pel_navigator_t *nav, int first, int last)
 
 void pel_nav_track_begin(pel_navigator_t *nav)
 {
+    make_room(nav);
     for (int first = 0; first < nav->sd.n;) {
         int last = first + 1;
         while (last < nav->sd.n && nav->sd.sd[last].group == nav->sd.sd[first].group) { last++; }
