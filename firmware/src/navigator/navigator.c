@@ -196,6 +196,27 @@ static void turn_to_body(const pel_navigator_t *nav, const pel_imu_t *imu, pel_i
     pel_mat3_vec(nav->cfg.C_s_b, imu->upsilon_ib_b, body->upsilon_ib_b);
 }
 
+/* What the bridge may be wrong by: the change of rate and specific force across it, held for its length. */
+static void doubt_bridge(pel_navigator_t *nav, const pel_imu_t *before, const pel_imu_t *after, double gap_s)
+{
+    if (!nav->ins || before == NULL || gap_s <= 0.0) { return; }
+    double turn = 0.0, push = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double d_omega = after->alpha_ib_b[k] / after->dt_s - before->alpha_ib_b[k] / before->dt_s;
+        const double d_f = after->upsilon_ib_b[k] / after->dt_s - before->upsilon_ib_b[k] / before->dt_s;
+        turn += d_omega * d_omega * gap_s * gap_s;
+        push += d_f * d_f * gap_s * gap_s;
+    }
+    const int i_psi = pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE);
+    const int i_v = pel_model_index(&nav->model, PEL_BLOCK_VELOCITY);
+    for (int k = 0; k < 3; k++) {
+        pel_real c[PEL_MAX_STATES] = {0}, d[PEL_MAX_STATES] = {0};
+        c[i_psi + k] = d[i_v + k] = PEL_R(1.0);
+        pel_ud_rank_one(&nav->ud, i_psi + k + 1, c, (pel_real)turn);
+        pel_ud_rank_one(&nav->ud, i_v + k + 1, d, (pel_real)push);
+    }
+}
+
 /* A missing stretch is bridged by one increment at the new sample's rates: the motion between is unknown, and for the few
  * samples a serial line loses this is the best guess. Longer gaps end the INS. */
 static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
@@ -210,6 +231,7 @@ static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
         nav->cfg.have_attitude = false; /* the turns since the first increment are lost */
         return;
     }
+    doubt_bridge(nav, pel_imu_ring_newest(&nav->ring), body, gap_s);
     const double scale = (gap_s + body->dt_s) / body->dt_s;
     for (int k = 0; k < 3; k++) {
         body->alpha_ib_b[k] *= scale;
