@@ -29,8 +29,8 @@ static void send_nmea(const pel_solution_t *s)
 
 static void send_counters(pel_time_t t_ns)
 {
-    send(pel_out_encode_counters(&navigator.counters, &imu_stream.counters, &rover.counters, &base.counters, t_ns, frame,
-                                 sizeof frame));
+    send(pel_out_encode_counters(&navigator.counters, &imu_stream.counters, &rover.counters, &base.counters, t_ns,
+                                 frame, sizeof frame));
 }
 
 static void send_outputs(void)
@@ -43,7 +43,8 @@ static void send_outputs(void)
         case PEL_NAV_EVENT: send(pel_out_encode_event(&navigator.event, frame, sizeof frame)); break;
         case PEL_NAV_EPOCH:
             send(pel_out_encode_solution(&navigator.epoch_solution, frame, sizeof frame));
-            send(pel_out_encode_sats(navigator.epoch_solution.t_ns, navigator.sats, navigator.n_sats, frame, sizeof frame));
+            send(pel_out_encode_sats(navigator.epoch_solution.t_ns, navigator.sats, navigator.n_sats, frame,
+                                     sizeof frame));
             send_nmea(&navigator.epoch_solution);
             if (navigator.epoch_solution.t_ns >= counters_due_ns) {
                 counters_due_ns = navigator.epoch_solution.t_ns + COUNTERS_EVERY_NS;
@@ -67,8 +68,11 @@ static void take_receiver_event(pel_receiver_t *rx, bool is_base, pel_rx_event_t
     case PEL_RX_EPOCH:
         /* Whoever knows the week tells the other. */
         pel_receiver_set_time(is_base ? &rover : &base, rx->epoch.t_ns);
-        if (is_base) { pel_navigator_push_base(&navigator, &rx->epoch); }
-        else { pel_navigator_push_rover(&navigator, &rx->epoch); }
+        if (is_base) {
+            pel_navigator_push_base(&navigator, &rx->epoch);
+        } else {
+            pel_navigator_push_rover(&navigator, &rx->epoch);
+        }
         break;
     }
     send_outputs();

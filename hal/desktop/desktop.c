@@ -34,12 +34,16 @@ static int64_t monotonic_ns(void)
     return (int64_t)t.tv_sec * PEL_NS_PER_S + t.tv_nsec;
 }
 
-static bool is_url(const char *name) { return strstr(name, "://") != NULL; }
+static bool is_url(const char *name)
+{
+    return strstr(name, "://") != NULL;
+}
 
 static bool is_same_file(const char *a, const char *b)
 {
     struct stat sa, sb;
-    return stat(a, &sa) == 0 && stat(b, &sb) == 0 && S_ISREG(sa.st_mode) && sa.st_dev == sb.st_dev && sa.st_ino == sb.st_ino;
+    return stat(a, &sa) == 0 && stat(b, &sb) == 0 && S_ISREG(sa.st_mode) && sa.st_dev == sb.st_dev &&
+           sa.st_ino == sb.st_ino;
 }
 
 static bool next_event(void)
@@ -52,8 +56,11 @@ static bool next_event(void)
 static void put_out(const char *channel, const void *data, size_t n)
 {
     bool ok;
-    if (desktop.live_out != NULL) { ok = desktop_live_publish(desktop.live_out, channel, data, n); }
-    else { ok = capture_log_write(&desktop.out, desktop.event.t_us, channel, data, n); }
+    if (desktop.live_out != NULL) {
+        ok = desktop_live_publish(desktop.live_out, channel, data, n);
+    } else {
+        ok = capture_log_write(&desktop.out, desktop.event.t_us, channel, data, n);
+    }
     if (!ok) { desktop.write_failed = true; }
 }
 
@@ -163,10 +170,16 @@ int desktop_open(const desktop_options_t *options)
 int desktop_close(void)
 {
     bool ok = !desktop.write_failed;
-    if (desktop.live_out != NULL) { desktop_live_close(desktop.live_out); }
-    else { ok = capture_log_close(&desktop.out) && ok; }
-    if (desktop.live_in != NULL) { desktop_live_close(desktop.live_in); }
-    else { (void)capture_log_close(&desktop.in); }
+    if (desktop.live_out != NULL) {
+        desktop_live_close(desktop.live_out);
+    } else {
+        ok = capture_log_close(&desktop.out) && ok;
+    }
+    if (desktop.live_in != NULL) {
+        desktop_live_close(desktop.live_in);
+    } else {
+        (void)capture_log_close(&desktop.in);
+    }
     cli_progress(desktop.options.cli, 1.0);
     free(desktop.setup);
     if (!ok) {
@@ -176,11 +189,20 @@ int desktop_close(void)
     return 0;
 }
 
-const char *desktop_setup_text(void) { return desktop.setup; }
+const char *desktop_setup_text(void)
+{
+    return desktop.setup;
+}
 
-bool hal_init(void) { return true; }
+bool hal_init(void)
+{
+    return true;
+}
 
-bool hal_running(void) { return desktop.running; }
+bool hal_running(void)
+{
+    return desktop.running;
+}
 
 size_t hal_read(hal_port_t port, uint8_t *buf, size_t cap)
 {
@@ -204,9 +226,15 @@ size_t hal_write(hal_port_t port, const uint8_t *buf, size_t n)
     return n;
 }
 
-int64_t hal_clock_ns(void) { return monotonic_ns(); }
+int64_t hal_clock_ns(void)
+{
+    return monotonic_ns();
+}
 
-pel_time_t hal_gps_time(void) { return capture_gps_ns(desktop.first_us); }
+pel_time_t hal_gps_time(void)
+{
+    return capture_gps_ns(desktop.first_us);
+}
 
 bool hal_pps(int64_t *clock_ns)
 {
@@ -251,4 +279,7 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
 
 void hal_watchdog_kick(void) {}
 
-void hal_idle(void) { take_event(); }
+void hal_idle(void)
+{
+    take_event();
+}

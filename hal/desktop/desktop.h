@@ -18,7 +18,7 @@ typedef struct {
     const char *config;  /* TOML file or NULL */
     const char *command; /* the command line, for the record */
     bool realtime;
-    const cli_t *cli;    /* progress */
+    const cli_t *cli; /* progress */
     desktop_outage_t outage[DESKTOP_MAX_OUTAGES];
     int n_outages;
 } desktop_options_t;

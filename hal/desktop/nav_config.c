@@ -6,9 +6,9 @@
 #include "desktop.h"
 #include "pelorus/math.h"
 
-#define DEG_PER_HOUR (PEL_DEG / 3600.0)
+#define DEG_PER_HOUR      (PEL_DEG / 3600.0)
 #define DEG_PER_ROOT_HOUR (PEL_DEG / 60.0)
-#define MICRO_G 9.80665e-6
+#define MICRO_G           9.80665e-6
 
 static void read_words(config_file_t *c, const char *path, const char *const *words, int n, uint8_t *mask)
 {
@@ -19,8 +19,11 @@ static void read_words(config_file_t *c, const char *path, const char *const *wo
         const char *word = config_file_string_at(c, path, i, "");
         int k = 0;
         while (k < n && strcmp(word, words[k]) != 0) { k++; }
-        if (k < n) { *mask |= (uint8_t)(1u << k); }
-        else { config_file_complain(c, path, "names something unknown"); }
+        if (k < n) {
+            *mask |= (uint8_t)(1u << k);
+        } else {
+            config_file_complain(c, path, "names something unknown");
+        }
     }
 }
 
@@ -40,8 +43,8 @@ static void read_preset(config_file_t *c, pel_nav_config_t *cfg)
     static const struct {
         const char *name;
         pel_preset_t preset;
-    } NAMES[] = {{"auto", PEL_PRESET_AUTO},         {"single", PEL_PRESET_SINGLE},   {"rtk", PEL_PRESET_RTK},
-                 {"gnss", PEL_PRESET_RTK},          {"ins-single", PEL_PRESET_INS_SINGLE}, {"ins-rtk", PEL_PRESET_INS_RTK},
+    } NAMES[] = {{"auto", PEL_PRESET_AUTO}, {"single", PEL_PRESET_SINGLE},         {"rtk", PEL_PRESET_RTK},
+                 {"gnss", PEL_PRESET_RTK},  {"ins-single", PEL_PRESET_INS_SINGLE}, {"ins-rtk", PEL_PRESET_INS_RTK},
                  {"s5", PEL_PRESET_INS_RTK}};
     const char *name = config_file_string(c, "navigator.preset", "auto");
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
@@ -59,12 +62,18 @@ static void read_general(config_file_t *c, pel_nav_config_t *cfg)
     static const char *const CARRIERS[] = {"L1", "L2", "L5", "E5b", "E6", "B1I", "B3I"};
     read_preset(c, cfg);
     const double hz = config_file_number(c, "navigator.output_hz", 1e9 / (double)cfg->output_period_ns);
-    if (hz < 0.0 || hz > 1000.0) { config_file_complain(c, "navigator.output_hz", "lies within 0 and 1000"); }
-    else { cfg->output_period_ns = (hz > 0.0) ? (int64_t)(1e9 / hz + 0.5) : 0; }
+    if (hz < 0.0 || hz > 1000.0) {
+        config_file_complain(c, "navigator.output_hz", "lies within 0 and 1000");
+    } else {
+        cfg->output_period_ns = (hz > 0.0) ? (int64_t)(1e9 / hz + 0.5) : 0;
+    }
     cfg->mask_rad = config_file_number(c, "navigator.mask_deg", cfg->mask_rad / PEL_DEG) * PEL_DEG;
-    if (!(cfg->mask_rad >= 0.0 && cfg->mask_rad < PEL_PI / 2.0)) { config_file_complain(c, "navigator.mask_deg", "lies within 0 and 90"); }
+    if (!(cfg->mask_rad >= 0.0 && cfg->mask_rad < PEL_PI / 2.0)) {
+        config_file_complain(c, "navigator.mask_deg", "lies within 0 and 90");
+    }
     cfg->integer_mask_rad = pel_max(cfg->mask_rad, cfg->integer_mask_rad);
-    cfg->integer_mask_rad = within(c, "navigator.integers.mask_deg", cfg->integer_mask_rad / PEL_DEG, 0.0, 90.0) * PEL_DEG;
+    cfg->integer_mask_rad =
+        within(c, "navigator.integers.mask_deg", cfg->integer_mask_rad / PEL_DEG, 0.0, 90.0) * PEL_DEG;
     read_words(c, "navigator.systems", SYSTEMS, PEL_N_SYS, &cfg->systems);
     read_words(c, "navigator.carriers", CARRIERS, PEL_N_CARRIER, &cfg->carriers);
     cfg->coast_after_s = (float)within(c, "navigator.coast_after_s", (double)cfg->coast_after_s, 0.0, 3600.0);
@@ -76,14 +85,21 @@ static void read_imu(config_file_t *c, pel_nav_config_t *cfg)
     pel_imu_model_t *imu = &cfg->imu;
     const double accel_psd = imu->accel_psd_rts;
     const char *model = config_file_string(c, "navigator.imu.model", "mems");
-    if (strcmp(model, "tactical") == 0) { pel_imu_model_preset(PEL_IMU_GRADE_TACTICAL, imu); }
-    else if (strcmp(model, "mems") == 0 || strcmp(model, "custom") == 0) { pel_imu_model_preset(PEL_IMU_GRADE_MEMS, imu); }
-    else { config_file_complain(c, "navigator.imu.model", "is one of tactical, mems, custom"); }
+    if (strcmp(model, "tactical") == 0) {
+        pel_imu_model_preset(PEL_IMU_GRADE_TACTICAL, imu);
+    } else if (strcmp(model, "mems") == 0 || strcmp(model, "custom") == 0) {
+        pel_imu_model_preset(PEL_IMU_GRADE_MEMS, imu);
+    } else {
+        config_file_complain(c, "navigator.imu.model", "is one of tactical, mems, custom");
+    }
     imu->accel_psd_rts = within(c, "navigator.gnss.accel_mps2_rthz", accel_psd, 1e-4, 1e3);
-    imu->arw_rad_rts = config_file_number(c, "navigator.imu.arw_deg_rth", imu->arw_rad_rts / DEG_PER_ROOT_HOUR) * DEG_PER_ROOT_HOUR;
+    imu->arw_rad_rts =
+        config_file_number(c, "navigator.imu.arw_deg_rth", imu->arw_rad_rts / DEG_PER_ROOT_HOUR) * DEG_PER_ROOT_HOUR;
     imu->vrw_mps_rts = config_file_number(c, "navigator.imu.vrw_mps_rth", imu->vrw_mps_rts * 60.0) / 60.0;
-    imu->sd_bg_radps = config_file_number(c, "navigator.imu.gyro_bias_deg_h", imu->sd_bg_radps / DEG_PER_HOUR) * DEG_PER_HOUR;
-    imu->sd_gm_radps = config_file_number(c, "navigator.imu.gyro_markov_deg_h", imu->sd_gm_radps / DEG_PER_HOUR) * DEG_PER_HOUR;
+    imu->sd_bg_radps =
+        config_file_number(c, "navigator.imu.gyro_bias_deg_h", imu->sd_bg_radps / DEG_PER_HOUR) * DEG_PER_HOUR;
+    imu->sd_gm_radps =
+        config_file_number(c, "navigator.imu.gyro_markov_deg_h", imu->sd_gm_radps / DEG_PER_HOUR) * DEG_PER_HOUR;
     imu->tau_gm_s = config_file_number(c, "navigator.imu.gyro_tau_s", imu->tau_gm_s);
     imu->sd_am_mps2 = config_file_number(c, "navigator.imu.accel_markov_ug", imu->sd_am_mps2 / MICRO_G) * MICRO_G;
     imu->tau_am_s = config_file_number(c, "navigator.imu.accel_tau_s", imu->tau_am_s);
@@ -131,7 +147,8 @@ static void read_start(config_file_t *c, pel_nav_config_t *cfg)
         cfg->heading_rad = attitude_deg[2] * PEL_DEG;
     }
     cfg->sd_tilt_rad = within(c, "navigator.start.sd_tilt_deg", cfg->sd_tilt_rad / PEL_DEG, 1e-5, 90.0) * PEL_DEG;
-    cfg->sd_heading_rad = within(c, "navigator.start.sd_heading_deg", cfg->sd_heading_rad / PEL_DEG, 1e-5, 180.0) * PEL_DEG;
+    cfg->sd_heading_rad =
+        within(c, "navigator.start.sd_heading_deg", cfg->sd_heading_rad / PEL_DEG, 1e-5, 180.0) * PEL_DEG;
     cfg->align_speed_mps = within(c, "navigator.start.align_speed_mps", cfg->align_speed_mps, 0.0, 1e3);
 }
 
@@ -154,7 +171,8 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     read_noise(c, "navigator.gnss.phase_m", law, &cfg->noise.phase_a_m, &cfg->noise.phase_b_m);
     read_noise(c, "navigator.gnss.doppler_mps", law, &cfg->noise.doppler_a_mps, &cfg->noise.doppler_b_mps);
     read_noise(c, "navigator.gnss.single_code_m", law, &cfg->noise_single.code_a_m, &cfg->noise_single.code_b_m);
-    read_noise(c, "navigator.gnss.single_doppler_mps", law, &cfg->noise_single.doppler_a_mps, &cfg->noise_single.doppler_b_mps);
+    read_noise(c, "navigator.gnss.single_doppler_mps", law, &cfg->noise_single.doppler_a_mps,
+               &cfg->noise_single.doppler_b_mps);
     const char *ionosphere = config_file_string(c, "navigator.gnss.ionosphere", "broadcast");
     cfg->no_ionosphere = strcmp(ionosphere, "none") == 0;
     if (!cfg->no_ionosphere && strcmp(ionosphere, "broadcast") != 0) {
@@ -170,8 +188,11 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     cfg->ratio_min = (float)within(c, "navigator.integers.ratio_min", (double)cfg->ratio_min, 1.0, 1e6);
     cfg->success_min = (float)within(c, "navigator.integers.success_min", (double)cfg->success_min, 0.0, 1.0);
     const int64_t nodes = config_file_integer(c, "navigator.integers.node_budget", cfg->node_budget);
-    if (nodes < 1 || nodes > 1000000000) { config_file_complain(c, "navigator.integers.node_budget", "lies within 1 and 1e9"); }
-    else { cfg->node_budget = (int32_t)nodes; }
+    if (nodes < 1 || nodes > 1000000000) {
+        config_file_complain(c, "navigator.integers.node_budget", "lies within 1 and 1e9");
+    } else {
+        cfg->node_budget = (int32_t)nodes;
+    }
 }
 
 static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t cap)
@@ -182,9 +203,10 @@ static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t c
     read_start(c, cfg);
     read_gnss(c, cfg);
     /* The rest of a scenario file is the simulator's. */
-    static const char *const OTHERS[] = {"name", "seed", "duration_s", "truth_interval_s", "time", "start", "motion", "wave",
-                                         "leg", "imu", "antenna", "sky", "atmosphere", "rover", "base", "outage", "slip",
-                                         "events", "scenario"};
+    static const char *const OTHERS[] = {
+        "name", "seed",   "duration_s", "truth_interval_s", "time",    "start",      "motion",
+        "wave", "leg",    "imu",        "antenna",          "sky",     "atmosphere", "rover",
+        "base", "outage", "slip",       "events",           "scenario"};
     for (size_t i = 0; i < sizeof OTHERS / sizeof OTHERS[0]; i++) { config_file_allow(c, OTHERS[i]); }
     return (config_file_check(c, why, cap) == 0) ? 0 : EXIT_USAGE;
 }

@@ -17,10 +17,14 @@ static const cli_option_t OPTIONS[] = {
 };
 
 static const cli_program_t PROGRAM = {
-    "pelorus-sil", "[options] CAPTURE -o OUT", "Run the firmware over a capture: serial bytes in, navigation frames out.",
-    OPTIONS,       (int)(sizeof OPTIONS / sizeof OPTIONS[0]),
+    "pelorus-sil",
+    "[options] CAPTURE -o OUT",
+    "Run the firmware over a capture: serial bytes in, navigation frames out.",
+    OPTIONS,
+    (int)(sizeof OPTIONS / sizeof OPTIONS[0]),
     "CAPTURE is an LCM event log, '-' for standard input, or an LCM URL such as udpm://239.255.76.67:7667?ttl=0\n"
-    "(then lcm-logplayer or pelorus-sim --live feeds it). Without --config the capture's SETUP is used, else everything\n"
+    "(then lcm-logplayer or pelorus-sim --live feeds it). Without --config the capture's SETUP is used, else "
+    "everything\n"
     "the capture offers: the IMU if there is one, relative positioning if there is a base."};
 
 static void add_outage(const cli_t *cli, desktop_options_t *o)
@@ -41,8 +45,9 @@ static char *describe_run(int argc, char **argv)
     for (int i = 0; i < argc; i++) { cap += 2 * strlen(argv[i]) + 1; }
     char *text = malloc(cap);
     if (text == NULL) { return NULL; }
-    size_t n = (size_t)snprintf(text, cap, "{\"program\":\"pelorus-sil\",\"version\":\"%s\",\"real\":\"%s\",\"command\":\"",
-                                PELORUS_VERSION, PEL_REAL_DOUBLE ? "double" : "float");
+    size_t n =
+        (size_t)snprintf(text, cap, "{\"program\":\"pelorus-sil\",\"version\":\"%s\",\"real\":\"%s\",\"command\":\"",
+                         PELORUS_VERSION, PEL_REAL_DOUBLE ? "double" : "float");
     for (int i = 0; i < argc; i++) {
         if (i > 0) { text[n++] = ' '; }
         for (const char *c = (i == 0) ? "pelorus-sil" : argv[i]; *c != '\0'; c++) {
@@ -61,8 +66,11 @@ static int check_config(const char *path)
     char why[256];
     int code = 0;
     pel_nav_config_default(&cfg);
-    if (path != NULL) { code = desktop_config_from_file(path, &cfg, why, sizeof why); }
-    else if (desktop_setup_text() != NULL) { code = desktop_config_from_text(desktop_setup_text(), "SETUP", &cfg, why, sizeof why); }
+    if (path != NULL) {
+        code = desktop_config_from_file(path, &cfg, why, sizeof why);
+    } else if (desktop_setup_text() != NULL) {
+        code = desktop_config_from_text(desktop_setup_text(), "SETUP", &cfg, why, sizeof why);
+    }
     if (code != 0) { fprintf(stderr, "pelorus-sil: %s\n", why); }
     return code;
 }

@@ -196,8 +196,10 @@ static void prepare_search(int n)
             for (int j = 0; j <= i; j++) {
                 double Cg[3];
                 pel_mat3_vec(C, g[j % per_carrier], Cg);
-                const double li = 0.19 + 0.02 * (double)(i / per_carrier);
-                const double lj = 0.19 + 0.02 * (double)(j / per_carrier);
+                const int carrier_i = i / per_carrier;
+                const double li = 0.19 + 0.02 * (double)carrier_i;
+                const int carrier_j = j / per_carrier;
+                const double lj = 0.19 + 0.02 * (double)carrier_j;
                 const double phase = (i == j) ? 2.0 * 1.8e-5 : ((i / per_carrier == j / per_carrier) ? 1.8e-5 : 0.0);
                 search_Q[p][PEL_TRI(i) + j] = (pel_dot3(g[i % per_carrier], Cg) + phase) / (li * lj);
             }

@@ -1,8 +1,8 @@
 /* config_file.cpp - see config_file.h. The one C++ file of the tools: a C face on toml++. */
 #include "config_file.h"
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <iostream>
 #include <set>

@@ -81,8 +81,14 @@ _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at 
 pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget);
 
 /* Room in the engine where a caller short of stack may write Q and a before it gives them to pel_ils_init(). */
-static inline double *pel_ils_room_for_Q(pel_ils_t *s) { return s->LD; }
-static inline double *pel_ils_room_for_a(pel_ils_t *s) { return s->zhat; }
+static inline double *pel_ils_room_for_Q(pel_ils_t *s)
+{
+    return s->LD;
+}
+static inline double *pel_ils_room_for_a(pel_ils_t *s)
+{
+    return s->zhat;
+}
 
 /* Cap on exchanges of the decorrelation. */
 #define PEL_ILS_SWAPS(n) (32 * (n))

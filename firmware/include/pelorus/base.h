@@ -23,24 +23,24 @@ typedef float pel_real;
 /* 0 done; > 0 done with a caveat; < 0 not done and outputs unchanged. */
 typedef enum {
     PEL_OK = 0,
-    PEL_W_REJECTED = 1,      /* the measurement was understood and refused by a test */
-    PEL_W_RUNNING = 2,       /* a resumable computation used its slice and wants another */
-    PEL_W_BUDGET = 3,        /* a bounded computation used its whole budget: best so far, no proof */
-    PEL_E_RANGE = -1,        /* an input is not finite or outside its documented range */
-    PEL_E_NOT_POSDEF = -2,   /* a variance or factor is not positive */
-    PEL_E_FULL = -3,         /* no room left in a fixed-size container */
-    PEL_E_MISSING = -4,      /* something needed is not there (no ephemeris, no base, empty ring) */
-    PEL_E_GEOMETRY = -5,     /* too few satellites, or their geometry is singular */
-    PEL_E_STALE = -6,        /* older than what is still accepted, or out of order */
+    PEL_W_REJECTED = 1,    /* the measurement was understood and refused by a test */
+    PEL_W_RUNNING = 2,     /* a resumable computation used its slice and wants another */
+    PEL_W_BUDGET = 3,      /* a bounded computation used its whole budget: best so far, no proof */
+    PEL_E_RANGE = -1,      /* an input is not finite or outside its documented range */
+    PEL_E_NOT_POSDEF = -2, /* a variance or factor is not positive */
+    PEL_E_FULL = -3,       /* no room left in a fixed-size container */
+    PEL_E_MISSING = -4,    /* something needed is not there (no ephemeris, no base, empty ring) */
+    PEL_E_GEOMETRY = -5,   /* too few satellites, or their geometry is singular */
+    PEL_E_STALE = -6,      /* older than what is still accepted, or out of order */
     PEL_E_NO_CONVERGENCE = -7,
-    PEL_E_FORMAT = -8        /* bytes do not form what they should */
+    PEL_E_FORMAT = -8 /* bytes do not form what they should */
 } pel_status_t;
 
 /* ---- time -------------------------------------------------------------------------------------------------- */
 
-#define PEL_NS_PER_S INT64_C(1000000000)
-#define PEL_NS_PER_MS INT64_C(1000000)
-#define PEL_S_PER_WEEK INT64_C(604800)
+#define PEL_NS_PER_S    INT64_C(1000000000)
+#define PEL_NS_PER_MS   INT64_C(1000000)
+#define PEL_S_PER_WEEK  INT64_C(604800)
 #define PEL_NS_PER_WEEK (PEL_S_PER_WEEK * PEL_NS_PER_S)
 
 typedef int64_t pel_time_t; /* ns of GPS time */
@@ -104,45 +104,45 @@ char pel_sys_letter(pel_sys_t sys);
 
 /* One interval of integrating gyros and accelerometers, as delivered (sensor axes until the navigator turns them). */
 typedef struct {
-    pel_time_t t_ns;         /* end of the interval: time of validity */
-    double dt_s;             /* length of the interval, > 0 */
-    double alpha_ib_b[3];    /* integral of angular rate, rad */
-    double upsilon_ib_b[3];  /* integral of specific force, m/s */
-    uint16_t seq;            /* counter of the sender, modulo 65536 */
-    uint16_t flags;          /* PEL_IMU_* */
+    pel_time_t t_ns;        /* end of the interval: time of validity */
+    double dt_s;            /* length of the interval, > 0 */
+    double alpha_ib_b[3];   /* integral of angular rate, rad */
+    double upsilon_ib_b[3]; /* integral of specific force, m/s */
+    uint16_t seq;           /* counter of the sender, modulo 65536 */
+    uint16_t flags;         /* PEL_IMU_* */
 } pel_imu_t;
 
-#define PEL_IMU_GYRO_SATURATED 0x0001u
+#define PEL_IMU_GYRO_SATURATED  0x0001u
 #define PEL_IMU_ACCEL_SATURATED 0x0002u
-#define PEL_IMU_TIME_UNSYNCED 0x0004u /* time tag not disciplined to GPS */
+#define PEL_IMU_TIME_UNSYNCED   0x0004u /* time tag not disciplined to GPS */
 
 /* One satellite's one carrier. Signs as RINEX: phase grows with range, Doppler is positive when approaching. */
 typedef struct {
-    double P_m;              /* pseudorange, m */
-    double L_cyc;            /* carrier phase, cycles */
-    float D_hz;              /* Doppler, Hz */
-    float cn0_dbhz;          /* 0 if unknown */
-    uint32_t lock_ms;        /* how long the phase has been tracked without a slip, at least (saturates) */
-    uint8_t sys;             /* pel_sys_t */
-    uint8_t prn;             /* 1.. */
-    uint8_t carrier;         /* pel_carrier_t */
-    char code;               /* RINEX attribute letter: 'C', 'W', 'L', 'X', 'I', 'Q', ... */
-    int8_t glo_k;            /* GLONASS channel, else 0 */
-    uint8_t flags;           /* PEL_OBS_* */
+    double P_m;       /* pseudorange, m */
+    double L_cyc;     /* carrier phase, cycles */
+    float D_hz;       /* Doppler, Hz */
+    float cn0_dbhz;   /* 0 if unknown */
+    uint32_t lock_ms; /* how long the phase has been tracked without a slip, at least (saturates) */
+    uint8_t sys;      /* pel_sys_t */
+    uint8_t prn;      /* 1.. */
+    uint8_t carrier;  /* pel_carrier_t */
+    char code;        /* RINEX attribute letter: 'C', 'W', 'L', 'X', 'I', 'Q', ... */
+    int8_t glo_k;     /* GLONASS channel, else 0 */
+    uint8_t flags;    /* PEL_OBS_* */
 } pel_obs_t;
 
-#define PEL_OBS_CODE 0x01u       /* P_m is valid */
-#define PEL_OBS_PHASE 0x02u      /* L_cyc is valid */
-#define PEL_OBS_DOPPLER 0x04u    /* D_hz is valid */
+#define PEL_OBS_CODE       0x01u /* P_m is valid */
+#define PEL_OBS_PHASE      0x02u /* L_cyc is valid */
+#define PEL_OBS_DOPPLER    0x04u /* D_hz is valid */
 #define PEL_OBS_HALF_CYCLE 0x08u /* half-cycle ambiguity not yet resolved */
-#define PEL_OBS_SLIP 0x10u       /* slip since the previous epoch: told by the receiver, or found by pel_slip_check() */
+#define PEL_OBS_SLIP       0x10u /* slip since the previous epoch: told by the receiver, or found by pel_slip_check() */
 
 /* All signals of one receiver at one of its epochs. */
 typedef struct {
-    pel_time_t t_ns;         /* the receiver's own time tag (its clock, not true time) */
+    pel_time_t t_ns; /* the receiver's own time tag (its clock, not true time) */
     uint16_t n;
-    uint16_t dropped;        /* signals that did not fit into obs[] */
-    bool clock_reset;        /* receiver reported a clock jump */
+    uint16_t dropped; /* signals that did not fit into obs[] */
+    bool clock_reset; /* receiver reported a clock jump */
     pel_obs_t obs[PEL_MAX_OBS];
 } pel_epoch_t;
 
@@ -150,19 +150,19 @@ typedef struct {
 typedef struct {
     uint8_t sys;
     uint8_t prn;
-    uint8_t health;          /* 0 = usable */
-    uint8_t source;          /* Galileo: 0 I/NAV, 1 F/NAV; else 0 */
-    uint16_t iode;           /* IODE / IODnav / AODE */
+    uint8_t health; /* 0 = usable */
+    uint8_t source; /* Galileo: 0 I/NAV, 1 F/NAV; else 0 */
+    uint16_t iode;  /* IODE / IODnav / AODE */
     uint16_t iodc;
-    float sd_ura_m;          /* user range accuracy, 1 sigma */
-    float fit_s;             /* usable for |t - toe| up to this, s */
+    float sd_ura_m; /* user range accuracy, 1 sigma */
+    float fit_s;    /* usable for |t - toe| up to this, s */
     pel_time_t toe_ns;
     pel_time_t toc_ns;
-    double af0, af1, af2;    /* clock, s, s/s, s/s^2 */
+    double af0, af1, af2;                    /* clock, s, s/s, s/s^2 */
     double sqrt_a, e, i0, Omega0, omega, M0; /* m^0.5, -, rad */
     double dn, Omega_dot, idot;              /* rad/s */
     double cuc, cus, crc, crs, cic, cis;     /* rad, m */
-    double tgd_s[2];         /* GPS/QZSS TGD; Galileo BGD E5a/E1, E5b/E1; BeiDou TGD1, TGD2 */
+    double tgd_s[2];                         /* GPS/QZSS TGD; Galileo BGD E5a/E1, E5b/E1; BeiDou TGD1, TGD2 */
 } pel_ephemeris_t;
 
 /* Klobuchar ionosphere, GPS units (s, s/semicircle, ...). */
@@ -175,14 +175,14 @@ typedef struct {
 /* Reference station. */
 typedef struct {
     uint16_t id;
-    double r_ea_e[3];        /* antenna reference point + height of antenna, ECEF, m */
+    double r_ea_e[3]; /* antenna reference point + height of antenna, ECEF, m */
 } pel_station_t;
 
 /* A receiver's own navigation solution (start-up aid and comparison, never a filter input). */
 typedef struct {
     pel_time_t t_ns;
-    uint8_t fix;             /* 0 none, 2 2-D, 3 3-D, 4 GNSS + dead reckoning */
-    uint8_t carrier_soln;    /* 0 none, 1 float, 2 fixed */
+    uint8_t fix;          /* 0 none, 2 2-D, 3 3-D, 4 GNSS + dead reckoning */
+    uint8_t carrier_soln; /* 0 none, 1 float, 2 fixed */
     uint8_t n_sat;
     double lat_rad, lon_rad, height_m;
     double v_ned[3];

@@ -35,37 +35,37 @@ typedef enum {
 
 typedef struct {
     pel_preset_t preset;
-    pel_time_t output_period_ns;   /* predicted solutions at whole multiples of this; 0: only at epochs */
-    double mask_rad;               /* elevation mask */
-    double integer_mask_rad;       /* mask for integers to be searched */
-    uint8_t systems;               /* bit 1 << pel_sys_t: allowed */
-    uint8_t carriers;              /* bit 1 << pel_carrier_t: allowed */
-    float coast_after_s;           /* status COAST when the last applied epoch is older */
+    pel_time_t output_period_ns; /* predicted solutions at whole multiples of this; 0: only at epochs */
+    double mask_rad;             /* elevation mask */
+    double integer_mask_rad;     /* mask for integers to be searched */
+    uint8_t systems;             /* bit 1 << pel_sys_t: allowed */
+    uint8_t carriers;            /* bit 1 << pel_carrier_t: allowed */
+    float coast_after_s;         /* status COAST when the last applied epoch is older */
 
     pel_imu_model_t imu;
-    bool mount_known;              /* the body's y axis points forward: heading may be taken from the course */
-    double C_s_b[3][3];            /* mounting: sensor axes to body axes */
-    double lever_ba_b[3];          /* IMU to antenna, m: right, forward, up */
-    bool have_attitude;            /* attitude below is valid at the first IMU sample */
+    bool mount_known;     /* the body's y axis points forward: heading may be taken from the course */
+    double C_s_b[3][3];   /* mounting: sensor axes to body axes */
+    double lever_ba_b[3]; /* IMU to antenna, m: right, forward, up */
+    bool have_attitude;   /* attitude below is valid at the first IMU sample */
     double roll_rad, pitch_rad, heading_rad;
     double sd_tilt_rad, sd_heading_rad;
-    double align_speed_mps;        /* above this speed heading may be taken from the velocity's course */
+    double align_speed_mps; /* above this speed heading may be taken from the velocity's course */
 
-    pel_noise_config_t noise;      /* undifferenced observations; relative positioning */
+    pel_noise_config_t noise;        /* undifferenced observations; relative positioning */
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
-    bool no_ionosphere;            /* apply no ionosphere model: simulations without one */
-    double single_code_tau_s;      /* correlation time of a single receiver's code errors */
+    bool no_ionosphere;              /* apply no ionosphere model: simulations without one */
+    double single_code_tau_s;        /* correlation time of a single receiver's code errors */
     float base_max_age_s;
-    float base_wait_s;             /* hold a rover epoch up to this long for its base epoch */
-    float apply_delay_s;           /* hold an epoch this long, so that one that arrives out of order still counts */
+    float base_wait_s;   /* hold a rover epoch up to this long for its base epoch */
+    float apply_delay_s; /* hold an epoch this long, so that one that arrives out of order still counts */
 
-    float ratio_min;               /* second best over best */
-    float success_min;             /* bootstrapped success rate of the search problem */
-    int32_t node_budget;           /* search nodes an epoch */
-    bool integers;                 /* resolve integers at all */
+    float ratio_min;     /* second best over best */
+    float success_min;   /* bootstrapped success rate of the search problem */
+    int32_t node_budget; /* search nodes an epoch */
+    bool integers;       /* resolve integers at all */
 
-    double lever_bc_b[3];          /* IMU to camera, m */
-    double C_c_b[3][3];            /* camera (boresight) axes to body axes */
+    double lever_bc_b[3]; /* IMU to camera, m */
+    double C_c_b[3][3];   /* camera (boresight) axes to body axes */
 } pel_nav_config_t;
 
 /* Sane values for every field: AUTO, 10 Hz, 10 degrees, all systems, MEMS IMU, aligned by itself. */
@@ -74,10 +74,10 @@ void pel_nav_config_default(pel_nav_config_t *cfg);
 /* What pel_navigator_poll() hands out; the named member of the navigator is valid until the next call of any push. */
 typedef enum {
     PEL_NAV_NONE = 0,
-    PEL_NAV_SOLUTION,  /* nav->solution: predicted to now, every output period */
-    PEL_NAV_EPOCH,     /* nav->epoch_solution with PEL_SOL_AT_EPOCH, and nav->sats[0..n_sats-1] */
-    PEL_NAV_USED,      /* nav->used: at the start and when it changes */
-    PEL_NAV_EVENT      /* nav->event */
+    PEL_NAV_SOLUTION, /* nav->solution: predicted to now, every output period */
+    PEL_NAV_EPOCH,    /* nav->epoch_solution with PEL_SOL_AT_EPOCH, and nav->sats[0..n_sats-1] */
+    PEL_NAV_USED,     /* nav->used: at the start and when it changes */
+    PEL_NAV_EVENT     /* nav->event */
 } pel_nav_output_t;
 
 /* Poses kept for event marks, at most one each 10 ms: 2.5 s. */
@@ -88,25 +88,25 @@ typedef enum {
 typedef struct {
     pel_time_t t_ns;
     double r_eb_e[3];
-    double theta_b_e[3];       /* rotation vector of C_b_e */
+    double theta_b_e[3]; /* rotation vector of C_b_e */
     float v_eb_e[3];
-    float alpha_ib_b[3];       /* turn since the pose before, rad */
+    float alpha_ib_b[3]; /* turn since the pose before, rad */
 } pel_pose_t;
 
 typedef struct {
     pel_pose_t pose[PEL_POSE_RING];
     uint16_t head, n;
-    double alpha[3];           /* turn since the newest pose, rad */
+    double alpha[3]; /* turn since the newest pose, rad */
 } pel_pose_ring_t;
 
 /* Heading from velocity changes while an IMU of unknown mounting waits to be aligned (navigator/yaw.c). Private. */
 typedef struct {
-    bool calm;                    /* no lasting horizontal acceleration in the last GNSS interval: gravity shows the vertical */
+    bool calm; /* no lasting horizontal acceleration in the last GNSS interval: gravity shows the vertical */
     bool levelled;
-    double C_b_l[3][3];           /* levelled frame of arbitrary heading, carried by the gyros */
-    double dv[3], span_s;         /* velocity change since levelling, in l */
-    double leaning_s;             /* since the last calm interval */
-    pel_time_t since_ns;          /* start of the interval */
+    double C_b_l[3][3];   /* levelled frame of arbitrary heading, carried by the gyros */
+    double dv[3], span_s; /* velocity change since levelling, in l */
+    double leaning_s;     /* since the last calm interval */
+    pel_time_t since_ns;  /* start of the interval */
     double dv_since[3], v_since_e[3];
     double n, a[2], b[2], aa, bb, dot, cross; /* weighted sums of the mean accelerations of both series */
 } pel_yaw_t;
@@ -118,15 +118,15 @@ typedef struct {
 
 typedef struct {
     uint8_t sys, prn, carrier;
-    bool held;        /* N is an integer that was validated */
-    int16_t state;    /* index of its filter state; -1: held, or the datum of its group */
+    bool held;     /* N is an integer that was validated */
+    int16_t state; /* index of its filter state; -1: held, or the datum of its group */
     uint16_t epochs;
-    double N;         /* cycles, rover minus base, on the group's datum */
+    double N; /* cycles, rover minus base, on the group's datum */
 } pel_tracked_t;
 
 typedef struct {
     int n;
-    uint8_t misfits;  /* epochs in a row whose held phases did not fit */
+    uint8_t misfits; /* epochs in a row whose held phases did not fit */
     pel_tracked_t entry[PEL_MAX_TRACKED];
 } pel_track_t;
 
@@ -135,8 +135,8 @@ typedef struct {
     pel_int_reason_t reason;
     double ratio, success;
     int n, n_fixed, nodes;
-    bool fixed[PEL_MAX_OBS];   /* by index into nav->sd.sd[] */
-    int32_t N[PEL_MAX_OBS];    /* DD integer against the group's pivot */
+    bool fixed[PEL_MAX_OBS]; /* by index into nav->sd.sd[] */
+    int32_t N[PEL_MAX_OBS];  /* DD integer against the group's pivot */
 } pel_nav_integers_t;
 
 /* What is known of each phase of nav->sd. */
@@ -159,7 +159,7 @@ typedef struct {
 } pel_nav_update_t;
 
 #define PEL_ROVER_QUEUE 3
-#define PEL_BASE_QUEUE 2
+#define PEL_BASE_QUEUE  2
 
 /* Sensor errors as the closed loop knows them (measured - true), body axes. */
 typedef struct {
@@ -172,39 +172,39 @@ typedef struct pel_navigator_t {
     bool have_station;
     pel_station_t station;
 
-    pel_epoch_t rover[PEL_ROVER_QUEUE];     /* waiting, oldest first */
+    pel_epoch_t rover[PEL_ROVER_QUEUE]; /* waiting, oldest first */
     int n_rover;
-    pel_epoch_t base[PEL_BASE_QUEUE];       /* newest last */
+    pel_epoch_t base[PEL_BASE_QUEUE]; /* newest last */
     int n_base;
     pel_slip_t slip_rover, slip_base;
 
     pel_imu_ring_t ring;
-    bool ins;                               /* the 18-state filter runs; else GNSS alone */
-    bool have_state;                        /* position and velocity are known */
-    pel_strapdown_t at_horizon;             /* r_eb_e is the antenna's without INS */
+    bool ins;                   /* the 18-state filter runs; else GNSS alone */
+    bool have_state;            /* position and velocity are known */
+    pel_strapdown_t at_horizon; /* r_eb_e is the antenna's without INS */
     pel_strapdown_t now;
     pel_coning_t coning_horizon, coning_now;
     pel_sensor_errors_t errors;
     pel_model_t model;
     pel_ud_t ud;
     pel_propagator_t propagator;
-    double omega_ib_b[3];                   /* at the horizon, smoothed over 20 ms, for lever-arm rates */
+    double omega_ib_b[3]; /* at the horizon, smoothed over 20 ms, for lever-arm rates */
     pel_align_t align;
     pel_yaw_t yaw;
-    double C_rel[3][3];                     /* body at the newest increment to body at the first, before the INS runs */
+    double C_rel[3][3]; /* body at the newest increment to body at the first, before the INS runs */
     pel_time_t first_imu_ns;
     bool have_spp;
-    pel_spp_t spp;                          /* last single-point solution: receiver clock, start values */
-    double v_before_e[3];                   /* velocity of the epoch before, for the acceleration while levelling */
-    double corrected_e[3];                  /* position corrections since the last slip check, m */
+    pel_spp_t spp;         /* last single-point solution: receiver clock, start values */
+    double v_before_e[3];  /* velocity of the epoch before, for the acceleration while levelling */
+    double corrected_e[3]; /* position corrections since the last slip check, m */
     pel_time_t last_tag_ns, last_epoch_ns, epoch_before_ns, last_imu_ns;
     pel_fix_t last_fix;
-    bool relative;                          /* rows are differenced against the base */
-    uint8_t doubts;                         /* epochs in a row that refused most of their code */
+    bool relative;  /* rows are differenced against the base */
+    uint8_t doubts; /* epochs in a row that refused most of their code */
 
     pel_view_t view_rover, view_base;
     pel_sd_set_t sd;
-    pel_amb_problem_t problem;              /* workspace of the epoch's search */
+    pel_amb_problem_t problem; /* workspace of the epoch's search */
     pel_ils_t ils;
     pel_track_t track;
     pel_nav_update_t update;
@@ -220,7 +220,7 @@ typedef struct pel_navigator_t {
     pel_event_t event;
     pel_sat_report_t sats[PEL_MAX_OBS];
     int n_sats;
-    uint32_t ready;                         /* bit 1 << pel_nav_output_t */
+    uint32_t ready; /* bit 1 << pel_nav_output_t */
 } pel_navigator_t;
 
 /* Start afresh; copies the configuration. */

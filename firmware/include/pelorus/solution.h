@@ -21,65 +21,65 @@ typedef enum {
 /* Why the epoch's integers are not fixed, or PEL_INT_OK. One verdict a test; the first that failed is told. */
 typedef enum {
     PEL_INT_OK = 0,
-    PEL_INT_NOT_TRIED = 1,   /* no base, or switched off */
-    PEL_INT_FEW = 2,         /* too few ambiguities */
-    PEL_INT_BUDGET = 3,      /* search ended without proof */
-    PEL_INT_RATIO = 4,       /* second best too near */
-    PEL_INT_CHI2 = 5,        /* fixed residuals too large */
-    PEL_INT_BAND = 6,        /* an L1/L2 pair outside the error band */
-    PEL_INT_PRIOR = 7,       /* contradicts the INS prediction */
-    PEL_INT_SUCCESS = 8,     /* bootstrapped success rate too low */
-    PEL_INT_BASE_AGE = 9     /* base epoch too old */
+    PEL_INT_NOT_TRIED = 1, /* no base, or switched off */
+    PEL_INT_FEW = 2,       /* too few ambiguities */
+    PEL_INT_BUDGET = 3,    /* search ended without proof */
+    PEL_INT_RATIO = 4,     /* second best too near */
+    PEL_INT_CHI2 = 5,      /* fixed residuals too large */
+    PEL_INT_BAND = 6,      /* an L1/L2 pair outside the error band */
+    PEL_INT_PRIOR = 7,     /* contradicts the INS prediction */
+    PEL_INT_SUCCESS = 8,   /* bootstrapped success rate too low */
+    PEL_INT_BASE_AGE = 9   /* base epoch too old */
 } pel_int_reason_t;
 
-#define PEL_SOL_INS 0x0001u          /* an IMU takes part */
-#define PEL_SOL_ATTITUDE 0x0002u     /* roll and pitch are meaningful */
-#define PEL_SOL_HEADING 0x0004u      /* heading is meaningful (aligned) */
-#define PEL_SOL_AT_EPOCH 0x0008u     /* the estimate at a GNSS epoch, after its update (else: predicted to now) */
-#define PEL_SOL_RESTARTED 0x0010u    /* the filter restarted itself since the last solution */
+#define PEL_SOL_INS       0x0001u /* an IMU takes part */
+#define PEL_SOL_ATTITUDE  0x0002u /* roll and pitch are meaningful */
+#define PEL_SOL_HEADING   0x0004u /* heading is meaningful (aligned) */
+#define PEL_SOL_AT_EPOCH  0x0008u /* the estimate at a GNSS epoch, after its update (else: predicted to now) */
+#define PEL_SOL_RESTARTED 0x0010u /* the filter restarted itself since the last solution */
 
 /* One navigation solution, at the IMU's (or antenna's, without IMU) reference point. */
 typedef struct {
-    pel_time_t t_ns;          /* time of validity */
-    uint8_t fix;              /* pel_fix_t */
-    uint8_t int_reason;       /* pel_int_reason_t */
-    uint16_t flags;           /* PEL_SOL_* */
-    double r_eb_e[3];         /* m */
+    pel_time_t t_ns;    /* time of validity */
+    uint8_t fix;        /* pel_fix_t */
+    uint8_t int_reason; /* pel_int_reason_t */
+    uint16_t flags;     /* PEL_SOL_* */
+    double r_eb_e[3];   /* m */
     double lat_rad, lon_rad, height_m;
-    float v_ned[3];           /* m/s */
+    float v_ned[3];                         /* m/s */
     float roll_rad, pitch_rad, heading_rad; /* NaN-free: 0 where flags say not meaningful */
-    float cov_r_ned[6];       /* m^2: nn ne nd ee ed dd */
-    float cov_v_ned[6];       /* (m/s)^2, same order */
-    float cov_att[6];         /* rad^2, small rotation about n, e, d axes, same order */
+    float cov_r_ned[6];                     /* m^2: nn ne nd ee ed dd */
+    float cov_v_ned[6];                     /* (m/s)^2, same order */
+    float cov_att[6];                       /* rad^2, small rotation about n, e, d axes, same order */
     float sd_roll_rad, sd_pitch_rad, sd_heading_rad;
-    float hpl_m, vpl_m;       /* protection levels */
-    float base_age_s;         /* rover minus base epoch; negative if no base */
-    float ratio;              /* second best over best squared norm; 0 if no search */
-    float success_rate;       /* bootstrapped success of the search problem; 0 if none */
-    float nis;                /* normalised innovation squared of the epoch, summed over accepted rows */
+    float hpl_m, vpl_m; /* protection levels */
+    float base_age_s;   /* rover minus base epoch; negative if no base */
+    float ratio;        /* second best over best squared norm; 0 if no search */
+    float success_rate; /* bootstrapped success of the search problem; 0 if none */
+    float nis;          /* normalised innovation squared of the epoch, summed over accepted rows */
     uint16_t nis_dof;
     uint16_t search_nodes;
-    uint8_t n_sat;            /* satellites used in the last epoch */
-    uint8_t n_fixed;          /* integers fixed in the last epoch */
-    uint8_t n_amb;            /* integers searched */
+    uint8_t n_sat;   /* satellites used in the last epoch */
+    uint8_t n_fixed; /* integers fixed in the last epoch */
+    uint8_t n_amb;   /* integers searched */
     uint8_t reserved;
-    uint32_t state_hash;      /* FNV-1a of the filter's state and factors: two machines agree or differ here */
-    float b_g[3], sd_b_g[3];  /* gyro error estimate (constant + Markov), rad/s, sensor axes turned to b */
-    float b_a[3], sd_b_a[3];  /* accelerometer error estimate, m/s^2 */
+    uint32_t state_hash;     /* FNV-1a of the filter's state and factors: two machines agree or differ here */
+    float b_g[3], sd_b_g[3]; /* gyro error estimate (constant + Markov), rad/s, sensor axes turned to b */
+    float b_a[3], sd_b_a[3]; /* accelerometer error estimate, m/s^2 */
 } pel_solution_t;
 
 /* Everything that was refused or went wrong, by cause, since start. Rover, base and IMU decoders fill their own. */
 typedef struct {
-    uint32_t frames;          /* accepted frames */
-    uint32_t noise_bytes;     /* bytes outside any frame */
+    uint32_t frames;      /* accepted frames */
+    uint32_t noise_bytes; /* bytes outside any frame */
     uint32_t bad_checksum;
-    uint32_t bad_length;      /* impossible or too long for its destination */
-    uint32_t bad_value;       /* not finite, out of range, unknown satellite or signal */
-    uint32_t unknown;         /* well-formed, not of interest */
-    uint32_t duplicate;       /* same epoch, IMU sample or sequence number again */
-    uint32_t time_back;       /* epoch or sample older than one already given */
-    uint32_t gap;             /* sequence or time gap */
-    uint32_t overflow;        /* measurements that did not fit */
+    uint32_t bad_length; /* impossible or too long for its destination */
+    uint32_t bad_value;  /* not finite, out of range, unknown satellite or signal */
+    uint32_t unknown;    /* well-formed, not of interest */
+    uint32_t duplicate;  /* same epoch, IMU sample or sequence number again */
+    uint32_t time_back;  /* epoch or sample older than one already given */
+    uint32_t gap;        /* sequence or time gap */
+    uint32_t overflow;   /* measurements that did not fit */
 } pel_wire_counters_t;
 
 typedef struct {
@@ -96,19 +96,19 @@ typedef struct {
 
 /* What was asked for and what takes part, with the reason for each difference. */
 typedef enum {
-    PEL_WHY_NONE = 0,         /* no difference */
-    PEL_WHY_NO_DATA = 1,      /* never seen in the stream */
-    PEL_WHY_CONFIG = 2,       /* switched off by configuration */
-    PEL_WHY_NO_ORBIT = 3,     /* observed, but no ephemeris yet */
-    PEL_WHY_NO_STATION = 4,   /* base observed, its position unknown */
-    PEL_WHY_NOT_ALIGNED = 5,  /* IMU present, alignment not reached */
-    PEL_WHY_UNSUPPORTED = 6   /* decoded, not used by this build */
+    PEL_WHY_NONE = 0,        /* no difference */
+    PEL_WHY_NO_DATA = 1,     /* never seen in the stream */
+    PEL_WHY_CONFIG = 2,      /* switched off by configuration */
+    PEL_WHY_NO_ORBIT = 3,    /* observed, but no ephemeris yet */
+    PEL_WHY_NO_STATION = 4,  /* base observed, its position unknown */
+    PEL_WHY_NOT_ALIGNED = 5, /* IMU present, alignment not reached */
+    PEL_WHY_UNSUPPORTED = 6  /* decoded, not used by this build */
 } pel_why_t;
 
 typedef struct {
     pel_time_t t_ns;
-    uint8_t preset_asked, preset_used;   /* pel_preset_t of navigator.h */
-    uint8_t preset_why;                  /* pel_why_t */
+    uint8_t preset_asked, preset_used; /* pel_preset_t of navigator.h */
+    uint8_t preset_why;                /* pel_why_t */
     uint8_t imu_seen, imu_used, imu_why;
     uint8_t base_seen, base_used, base_why;
     float imu_rate_hz;
@@ -126,27 +126,27 @@ typedef struct {
 /* One satellite's carrier of the last epoch, for sky plots and innovations. */
 typedef struct {
     uint8_t sys, prn, carrier;
-    uint8_t flags;            /* PEL_SAT_* */
+    uint8_t flags; /* PEL_SAT_* */
     float az_rad, el_rad, cn0_dbhz;
     float innov_code_m, innov_phase_m, innov_doppler_mps; /* before the update, relative to the pivot; 0 if unused */
     float sd_code_m, sd_phase_m, sd_doppler_mps;          /* predicted 1 sigma of each innovation */
-    int32_t n_fixed;          /* DD integer, cycles */
+    int32_t n_fixed;                                      /* DD integer, cycles */
 } pel_sat_report_t;
 
-#define PEL_SAT_PIVOT 0x01u
-#define PEL_SAT_CODE_USED 0x02u
-#define PEL_SAT_PHASE_USED 0x04u
+#define PEL_SAT_PIVOT        0x01u
+#define PEL_SAT_CODE_USED    0x02u
+#define PEL_SAT_PHASE_USED   0x04u
 #define PEL_SAT_DOPPLER_USED 0x08u
-#define PEL_SAT_FIXED 0x10u
-#define PEL_SAT_SLIP 0x20u
-#define PEL_SAT_EXCLUDED 0x40u
+#define PEL_SAT_FIXED        0x10u
+#define PEL_SAT_SLIP         0x20u
+#define PEL_SAT_EXCLUDED     0x40u
 
 /* Exterior orientation at an event mark (shutter, scan line). */
 typedef struct {
     pel_time_t t_ns;
     uint32_t id;
     uint8_t fix;
-    double r_ec_e[3];         /* camera (or body) centre */
+    double r_ec_e[3]; /* camera (or body) centre */
     double lat_rad, lon_rad, height_m;
     float omega_rad, phi_rad, kappa_rad; /* C_c^m = Rx(omega) Ry(phi) Rz(kappa), m = local ENU */
     float sd_r_m[3], sd_att_rad[3];      /* north, east, down */

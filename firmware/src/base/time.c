@@ -2,7 +2,7 @@
 
 /* GPS seconds at which GPS - UTC became i + 1 (IERS Bulletin C; 1981-07-01 .. 2017-01-01). */
 static const int64_t LEAP_AT_S[] = {
-    46828801,  78364802,  109900803, 173059204, 252028805, 315187206,  346723207,  393984008,  425520009,
+    46828801,  78364802,  109900803, 173059204, 252028805, 315187206, 346723207,  393984008,  425520009,
     457056010, 504489611, 551750412, 599184013, 820108814, 914803215, 1025136016, 1119744017, 1167264018,
 };
 
@@ -39,8 +39,11 @@ double pel_time_diff_s(pel_time_t a_ns, pel_time_t b_ns)
 pel_time_t pel_time_from_tow_near(double tow_s, pel_time_t ref_ns)
 {
     pel_time_t t = pel_time_from_week(pel_time_week(ref_ns), tow_s);
-    if (t - ref_ns > PEL_NS_PER_WEEK / 2) { t -= PEL_NS_PER_WEEK; }
-    else if (ref_ns - t > PEL_NS_PER_WEEK / 2) { t += PEL_NS_PER_WEEK; }
+    if (t - ref_ns > PEL_NS_PER_WEEK / 2) {
+        t -= PEL_NS_PER_WEEK;
+    } else if (ref_ns - t > PEL_NS_PER_WEEK / 2) {
+        t += PEL_NS_PER_WEEK;
+    }
     return t;
 }
 
@@ -48,8 +51,11 @@ int32_t pel_time_full_week(int32_t week_truncated, int32_t modulo, pel_time_t re
 {
     const int32_t ref = pel_time_week(ref_ns);
     int32_t d = (week_truncated - ref) % modulo;
-    if (d < -modulo / 2) { d += modulo; }
-    else if (d >= modulo / 2) { d -= modulo; }
+    if (d < -modulo / 2) {
+        d += modulo;
+    } else if (d >= modulo / 2) {
+        d -= modulo;
+    }
     return ref + d;
 }
 

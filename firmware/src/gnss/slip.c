@@ -3,14 +3,14 @@
 #include "pelorus/gnss.h"
 #include "pelorus/math.h"
 
-#define MS_M           (1e-3 * PEL_SPEED_OF_LIGHT)
-#define PHASE_SD_M     0.003 /* of one phase at the zenith, strong, unless told otherwise */
-#define CN0_STRONG     42.0  /* dBHz; noise grows below, as of a loop that tracks less power */
-#define DOPPLER_SD_MPS 0.05
-#define IONO_RATE_MPS  0.002 /* between carriers, in a quiet mid-latitude ionosphere 1 mm/s at most */
+#define MS_M             (1e-3 * PEL_SPEED_OF_LIGHT)
+#define PHASE_SD_M       0.003 /* of one phase at the zenith, strong, unless told otherwise */
+#define CN0_STRONG       42.0  /* dBHz; noise grows below, as of a loop that tracks less power */
+#define DOPPLER_SD_MPS   0.05
+#define IONO_RATE_MPS    0.002 /* between carriers, in a quiet mid-latitude ionosphere 1 mm/s at most */
 #define REVERSED_MIN_MPS 100.0 /* slower changes do not tell the sign of a Doppler */
-#define JERK_MPS3      2.0   /* of the antenna, for the trapezoid over Doppler: jerk dt^3 / 12 */
-#define MAX_LOCK_MS    3600000u
+#define JERK_MPS3        2.0   /* of the antenna, for the trapezoid over Doppler: jerk dt^3 / 12 */
+#define MAX_LOCK_MS      3600000u
 
 /* An observation beside its memory. */
 typedef struct {

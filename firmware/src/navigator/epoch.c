@@ -6,15 +6,21 @@
 #include "pelorus/earth.h"
 #include "pelorus/math.h"
 
-#define GATE_SIGMA PEL_R(6.0)      /* last gate on a whitened row; coarse errors are screened before */
-#define MAX_DOUBTS 8               /* epochs in a row that refuse most of their code: the state is wrong, not the code */
-#define MAX_MISFITS 3              /* epochs in a row whose held integers do not fit: all are released */
-#define MODE_CHANGE_SD_M 3.0       /* a base's coordinates and a single receiver's position differ by this much */
-#define STALE_CLOCK_S 60.0
+#define GATE_SIGMA       PEL_R(6.0) /* last gate on a whitened row; coarse errors are screened before */
+#define MAX_DOUBTS       8   /* epochs in a row that refuse most of their code: the state is wrong, not the code */
+#define MAX_MISFITS      3   /* epochs in a row whose held integers do not fit: all are released */
+#define MODE_CHANGE_SD_M 3.0 /* a base's coordinates and a single receiver's position differ by this much */
+#define STALE_CLOCK_S    60.0
+#define LOST_SD_M        20.0
+#define COARSE_RAD       (1.0 * PEL_DEG) /* attitude known worse than this: what the error model leaves out is not small */
+#define GRAVITY_MPS2     9.8
 
 /* ---- when was the epoch ----------------------------------------------------------------------------------------------- */
 
-static double zenith_sd(double a, double b) { return pel_sqrt(a * a + b * b); }
+static double zenith_sd(double a, double b)
+{
+    return pel_sqrt(a * a + b * b);
+}
 
 /* True receive time of the epoch. Single-point solution if there is one, else the receiver clock of the last one. */
 static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solved, pel_time_t *t_ns)
@@ -25,8 +31,8 @@ static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solv
     cfg.code_sd_m = zenith_sd(nav->cfg.noise_single.code_a_m, nav->cfg.noise_single.code_b_m);
     cfg.doppler_sd_mps = zenith_sd(nav->cfg.noise_single.doppler_a_mps, nav->cfg.noise_single.doppler_b_mps);
     pel_spp_t spp;
-    const pel_status_t status = pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, NULL,
-                                              &nav->view_rover, &spp);
+    const pel_status_t status =
+        pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, NULL, &nav->view_rover, &spp);
     *solved = status >= 0;
     if (*solved) {
         nav->spp = spp;
@@ -96,7 +102,8 @@ static int phase_pivot(const pel_navigator_t *nav, const update_t *u, int first,
 }
 
 /* Coarse errors stand out from the median of their group, whoever the pivot is. Marks what to keep; picks the pivot. -1: none. */
-static int screen(const pel_navigator_t *nav, const update_t *u, int first, int last, kind_t kind, bool keep[PEL_MAX_OBS])
+static int screen(const pel_navigator_t *nav, const update_t *u, int first, int last, kind_t kind,
+                  bool keep[PEL_MAX_OBS])
 {
     const pel_sd_set_t *set = &nav->sd;
     double x[PEL_MAX_SATS];
@@ -121,7 +128,10 @@ static int screen(const pel_navigator_t *nav, const update_t *u, int first, int 
     return pivot;
 }
 
-static pel_sat_report_t *report_of(pel_navigator_t *nav, int i) { return &nav->sats[i]; }
+static pel_sat_report_t *report_of(pel_navigator_t *nav, int i)
+{
+    return &nav->sats[i];
+}
 
 static void note_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, double dd, bool used)
 {
@@ -141,7 +151,9 @@ static void note_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, 
         r->sd_phase_m = s;
         const bool fixed = u->phases.held[i] && u->phases.held[pivot];
         r->n_fixed = fixed ? (int32_t)(u->phases.N[i] - u->phases.N[pivot]) : 0;
-        r->flags |= (uint8_t)(!used ? PEL_SAT_EXCLUDED : fixed ? (PEL_SAT_PHASE_USED | PEL_SAT_FIXED) : PEL_SAT_PHASE_USED);
+        r->flags |= (uint8_t)(!used   ? PEL_SAT_EXCLUDED
+                              : fixed ? (PEL_SAT_PHASE_USED | PEL_SAT_FIXED)
+                                      : PEL_SAT_PHASE_USED);
     } else {
         r->innov_doppler_mps = innov;
         r->sd_doppler_mps = s;
@@ -252,49 +264,100 @@ static void allow_for_correlation(pel_navigator_t *nav, double gap_s)
     for (int i = 0; i < nav->sd.n; i++) { nav->sd.sd[i].var_code *= factor; }
 }
 
-/* Differences against the base where there is one, else of the rover alone. */
-static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base, double r_ea_e[3], double v_ea_e[3])
+static void add_noise(pel_navigator_t *nav, int first, double var)
 {
-    if (pel_view_compute(rover, &nav->orbits, rover->t_ns, r_ea_e, v_ea_e, nav->cfg.mask_rad, &nav->counters,
-                         &nav->view_rover) != PEL_OK) {
-        nav->counters.epochs_no_eph++;
+    for (int k = 0; k < 3; k++) {
+        pel_real c[PEL_MAX_STATES] = {0};
+        c[first + k] = PEL_R(1.0);
+        pel_ud_rank_one(&nav->ud, first + k + 1, c, (pel_real)var);
+    }
+}
+
+/* Double differences carry no ionosphere model, as everywhere in RTK: over kilometres the broadcast one is no better than none,
+ * and what is left is in the variances (iono_mm_per_km). */
+static void forget_ionosphere(pel_view_t *view)
+{
+    for (int i = 0; i < view->n; i++) { view->sight[i].iono_L1_m = 0.0; }
+}
+
+static bool view_rover(pel_navigator_t *nav, const pel_epoch_t *rover, const double r_ea_e[3], const double v_ea_e[3],
+                       pel_nav_counters_t *count)
+{
+    return pel_view_compute(rover, &nav->orbits, rover->t_ns, r_ea_e, v_ea_e, nav->cfg.mask_rad, count,
+                            &nav->view_rover) == PEL_OK;
+}
+
+/* Single differences against the base; false if too little is common. */
+static bool difference(pel_navigator_t *nav, const pel_epoch_t *rover, pel_epoch_t *base)
+{
+    const double age_s = pel_time_diff_s(rover->t_ns, base->t_ns);
+    nav->epoch_solution.base_age_s = (float)age_s;
+    pel_nav_track_drop_slipped(nav, base);
+    for (int i = 0; i < base->n; i++) { base->obs[i].flags &= (uint8_t)~PEL_OBS_SLIP; } /* told once */
+    if (pel_view_compute(base, &nav->orbits, rover->t_ns, nav->station.r_ea_e, NULL, 0.0, NULL, &nav->view_base) !=
+        PEL_OK) {
         return false;
     }
-    pel_slip_aid_t aid = {.sd_m = 0.0};
+    forget_ionosphere(&nav->view_rover);
+    forget_ionosphere(&nav->view_base);
+    return pel_sd_form(rover, &nav->view_rover, base, &nav->view_base, &nav->cfg.noise, age_s, &nav->sd) == PEL_OK &&
+           nav->sd.n - nav->sd.n_groups >= 3;
+}
+
+/* What moved between the epochs, against what the phases say. */
+static void look_for_slips(pel_navigator_t *nav, pel_epoch_t *rover, double gap_s)
+{
+    const int i_v = pel_model_index(&nav->model, PEL_BLOCK_VELOCITY);
+    pel_slip_aid_t aid = {.sd_m = 0.005 + pel_sqrt((double)pel_ud_cov(&nav->ud, i_v, i_v)) * 2.0 * gap_s};
     for (int k = 0; k < 3; k++) {
         aid.dr_e[k] = nav->corrected_e[k];
         nav->corrected_e[k] = 0.0;
     }
-    const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
-    aid.sd_m = 0.005 + pel_sqrt((double)pel_ud_cov(&nav->ud, nav->model.first[PEL_BLOCK_VELOCITY],
-                                                  nav->model.first[PEL_BLOCK_VELOCITY])) * 2.0 * gap_s;
     pel_slip_check(&nav->slip_rover, rover, &nav->view_rover, nav->ins ? &aid : NULL, &nav->counters);
     pel_nav_track_drop_slipped(nav, rover);
-    bool relative = base != NULL && nav->have_station;
-    if (relative) {
-        const double age_s = pel_time_diff_s(rover->t_ns, base->t_ns);
-        relative = pel_view_compute(base, &nav->orbits, rover->t_ns, nav->station.r_ea_e, NULL, 0.0, NULL, &nav->view_base) == PEL_OK &&
-                   pel_sd_form(rover, &nav->view_rover, base, &nav->view_base, &nav->cfg.noise, age_s, &nav->sd) == PEL_OK &&
-                   nav->sd.n - nav->sd.n_groups >= 3;
-        nav->epoch_solution.base_age_s = (float)age_s;
-        pel_nav_track_drop_slipped(nav, base);
-        for (int i = 0; i < base->n; i++) { base->obs[i].flags &= (uint8_t)~PEL_OBS_SLIP; } /* told once */
+}
+
+/* Differences against the base where there is one, else of the rover alone. */
+static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base, double r_ea_e[3], double v_ea_e[3])
+{
+    if (!view_rover(nav, rover, r_ea_e, v_ea_e, &nav->counters)) {
+        nav->counters.epochs_no_eph++;
+        return false;
     }
+    const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
+    look_for_slips(nav, rover, gap_s);
+    const bool tried = base != NULL && nav->have_station;
+    const bool relative = tried && difference(nav, rover, base);
     if (!relative) {
         nav->epoch_solution.base_age_s = -1.0f;
+        if (tried && !view_rover(nav, rover, r_ea_e, v_ea_e, NULL)) { return false; } /* with the ionosphere again */
         if (pel_sd_undifferenced(rover, &nav->view_rover, &nav->cfg.noise_single, &nav->sd) != PEL_OK) { return false; }
         allow_for_correlation(nav, gap_s);
     }
     if (relative != nav->relative && nav->last_epoch_ns != 0) {
-        const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
-        for (int k = 0; k < 3; k++) {
-            pel_real c[PEL_MAX_STATES] = {0};
-            c[i_r + k] = PEL_R(1.0);
-            pel_ud_rank_one(&nav->ud, i_r + k + 1, c, (pel_real)(MODE_CHANGE_SD_M * MODE_CHANGE_SD_M));
-        }
+        add_noise(nav, pel_model_index(&nav->model, PEL_BLOCK_POSITION), MODE_CHANGE_SD_M * MODE_CHANGE_SD_M);
     }
     nav->relative = relative;
     return true;
+}
+
+/* The rows are linear in attitude. While it is coarse, the lever arm's second-order error (3 cm of 2 m at 10 degrees) and that
+ * of gravity felt through it since the epoch before would be taken for centimetres of truth. */
+static void allow_for_coarse_attitude(pel_navigator_t *nav, const pel_antenna_t *ant)
+{
+    if (ant->i_psi < 0) { return; }
+    double P[3][3], up[3];
+    pel_ud_block3(&nav->ud, ant->i_psi, ant->i_psi, P);
+    const double var = P[0][0] + P[1][1] + P[2][2];
+    if (var < COARSE_RAD * COARSE_RAD) { return; }
+    (void)pel_unit3(nav->at_horizon.r_eb_e, up);
+    const double var_heading = along(P, up);
+    const double var_tilt = pel_max(var - var_heading, 0.0);
+    const double gap_s = pel_min(1.0, pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns));
+    const double felt = (0.5 * var_tilt + pel_sqrt(var_tilt * var_heading)) * GRAVITY_MPS2 * gap_s;
+    const double arm = 0.5 * var * pel_norm3(ant->lever_e), arm_rate = 0.5 * var * pel_norm3(ant->lever_rate_e);
+    add_noise(nav, ant->i_r, arm * arm);
+    add_noise(nav, ant->i_v, arm_rate * arm_rate + felt * felt);
 }
 
 static int satellites_used(const pel_navigator_t *nav)
@@ -363,6 +426,21 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     pel_nav_predict_now(nav);
 }
 
+/* GNSS alone over a long silence knows its place worse than the epoch's own code does. Rows are linear and the troposphere right
+ * only near the truth: begin from the single-point solution, keeping what is known of velocity. */
+static void replace_lost_position(pel_navigator_t *nav)
+{
+    const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
+    double P[3][3];
+    pel_ud_block3(&nav->ud, i_r, i_r, P);
+    if (nav->ins || P[0][0] + P[1][1] + P[2][2] < LOST_SD_M * LOST_SD_M) { return; }
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) { P[i][j] = 4.0 * nav->spp.cov_r_e[i][j] + ((i == j) ? LOST_SD_M : 0.0); }
+    }
+    if (pel_ud_set_block3(&nav->ud, i_r, P) != PEL_OK) { return; }
+    memcpy(nav->at_horizon.r_eb_e, nav->spp.r_ea_e, sizeof nav->at_horizon.r_eb_e);
+}
+
 /* Bring the state to the epoch's instant, starting it if there is none. */
 static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
 {
@@ -376,7 +454,10 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
             pel_nav_drop_ins(nav);
             status = pel_nav_advance(nav, t_ns);
         }
-        if (status == PEL_OK) { return true; }
+        if (status == PEL_OK) {
+            if (solved) { replace_lost_position(nav); }
+            return true;
+        }
         nav->counters.restarts++;
         stop(nav); /* also where no start follows: an INS without its factors must not go on telling */
     }
@@ -389,8 +470,11 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
 static void prepare_phases(pel_navigator_t *nav, update_t *u)
 {
     if (nav->cfg.integers) { pel_nav_resolve(nav, u->P_r, &u->ints); }
-    if (u->ints.reason == PEL_INT_OK) { pel_nav_track_hold(nav, &u->ints); }
-    else { pel_nav_track_begin(nav); }
+    if (u->ints.reason == PEL_INT_OK) {
+        pel_nav_track_hold(nav, &u->ints);
+    } else {
+        pel_nav_track_begin(nav);
+    }
     pel_nav_track_lookup(nav, &u->phases);
     u->ant.n_states = nav->model.n;
 }
@@ -423,6 +507,7 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
         return;
     }
     start_reports(nav);
+    allow_for_coarse_attitude(nav, &u->ant);
     pel_nav_antenna_cov(nav, &u->ant, false, u->P_r);
     pel_nav_antenna_cov(nav, &u->ant, true, u->P_v);
     u->ints.reason = PEL_INT_NOT_TRIED;

@@ -82,8 +82,8 @@ static void interpolate(const pel_pose_ring_t *ring, int age, pel_time_t t_ns, d
     rotvec_rate(phi1, w1, rate1);
     for (int k = 0; k < 3; k++) {
         phi[k] = hermite(phi1[k], w0[k] * h, rate1[k] * h, u);
-        r_e[k] = a->r_eb_e[k] +
-                 hermite(b->r_eb_e[k] - a->r_eb_e[k], (double)a->v_eb_e[k] * h, (double)b->v_eb_e[k] * h, u);
+        r_e[k] =
+            a->r_eb_e[k] + hermite(b->r_eb_e[k] - a->r_eb_e[k], (double)a->v_eb_e[k] * h, (double)b->v_eb_e[k] * h, u);
     }
     pel_rotvec_to_dcm(phi, Crel);
     pel_mat3_mul(Ca, Crel, C_b_e);

@@ -4,10 +4,10 @@
 #include "pelorus/earth.h"
 #include "pelorus/math.h"
 
-#define OMEGA_SMOOTH_S 0.02              /* one 500 Hz gyro increment's quantization is 8 mm/s on a 3 m arm */
-#define LEAST_LAG_S 0.6                  /* without epochs the filter follows now this closely, or as far as one may be waited for */
-#define LAG_STEP_NS (100 * PEL_NS_PER_MS)
-#define SINGLE_STEP_MAX_S 100.0          /* GNSS alone: a longer silence starts afresh */
+#define OMEGA_SMOOTH_S    0.02 /* one 500 Hz gyro increment's quantization is 8 mm/s on a 3 m arm */
+#define LEAST_LAG_S       0.6 /* without epochs the filter follows now this closely, or as far as one may be waited for */
+#define LAG_STEP_NS       (100 * PEL_NS_PER_MS)
+#define SINGLE_STEP_MAX_S 100.0 /* GNSS alone: a longer silence starts afresh */
 
 static void sensor_errors(const pel_navigator_t *nav, double b_g[3], double b_a[3])
 {
@@ -70,8 +70,8 @@ static pel_status_t advance_ins(pel_navigator_t *nav, pel_time_t t_ns)
         step(nav, &part, s, &nav->coning_horizon);
         smooth_omega(nav, &part);
         decay_markov(nav, part.dt_s);
-        const pel_status_t added = pel_propagator_add(&nav->propagator, &nav->model, nav->coning_horizon.dv_f_e, part.dt_s,
-                                                      s->C_b_e, s->r_eb_e, &nav->ud);
+        const pel_status_t added = pel_propagator_add(&nav->propagator, &nav->model, nav->coning_horizon.dv_f_e,
+                                                      part.dt_s, s->C_b_e, s->r_eb_e, &nav->ud);
         if (added < 0) { status = added; }
     }
     const pel_status_t flushed = pel_propagator_flush(&nav->propagator, &nav->model, s->C_b_e, s->r_eb_e, &nav->ud);
@@ -161,10 +161,11 @@ static void limit_lag(pel_navigator_t *nav)
 {
     const int waiting = nav->ring.n - pel_imu_ring_after(&nav->ring, nav->at_horizon.t_ns);
     const bool nearly_full = waiting >= PEL_IMU_RING - 4;
-    const double longest_lag_s = pel_max(LEAST_LAG_S, (double)nav->cfg.base_wait_s + (double)nav->cfg.apply_delay_s + 0.2);
+    const double longest_lag_s =
+        pel_max(LEAST_LAG_S, (double)nav->cfg.base_wait_s + (double)nav->cfg.apply_delay_s + 0.2);
     if (!nearly_full && pel_time_diff_s(nav->now.t_ns, nav->at_horizon.t_ns) < longest_lag_s) { return; }
-    const pel_time_t to_ns = nearly_full ? pel_imu_ring_at(&nav->ring, PEL_IMU_RING / 4)->t_ns
-                                         : nav->at_horizon.t_ns + LAG_STEP_NS;
+    const pel_time_t to_ns =
+        nearly_full ? pel_imu_ring_at(&nav->ring, PEL_IMU_RING / 4)->t_ns : nav->at_horizon.t_ns + LAG_STEP_NS;
     if (pel_nav_advance(nav, to_ns) < 0) {
         nav->counters.numeric_faults++;
         pel_nav_drop_ins(nav);

@@ -6,10 +6,10 @@
 #include "pelorus/math.h"
 
 #define MASK_STEP_RAD (5.0 * PEL_DEG)
-#define MAX_TRIES 8 /* half a cycle on one of seven satellites is found with as many */
-#define PRIOR_SIGMAS 5.0
+#define MAX_TRIES     8 /* half a cycle on one of seven satellites is found with as many */
+#define PRIOR_SIGMAS  5.0
 /* Below this success rate of the search problem the second best must be this much farther away. */
-#define SURE_SUCCESS 0.99
+#define SURE_SUCCESS        0.99
 #define UNSURE_RATIO_FACTOR 1.5
 
 static double baseline_km(const pel_navigator_t *nav)

@@ -63,7 +63,8 @@ static void fill_biases(const pel_navigator_t *nav, pel_solution_t *out)
     for (int k = 0; k < 3; k++) {
         out->b_g[k] = (float)(nav->errors.gyro_constant[k] + nav->errors.gyro_markov[k]);
         out->b_a[k] = (float)nav->errors.accel_markov[k];
-        const double var_g = (double)pel_ud_cov(&nav->ud, i_c + k, i_c + k) + (double)pel_ud_cov(&nav->ud, i_m + k, i_m + k) +
+        const double var_g = (double)pel_ud_cov(&nav->ud, i_c + k, i_c + k) +
+                             (double)pel_ud_cov(&nav->ud, i_m + k, i_m + k) +
                              2.0 * (double)pel_ud_cov(&nav->ud, i_c + k, i_m + k);
         out->sd_b_g[k] = (float)pel_sqrt(pel_max(var_g, 0.0));
         out->sd_b_a[k] = (float)pel_sqrt((double)pel_ud_cov(&nav->ud, i_a + k, i_a + k));
@@ -146,6 +147,19 @@ static pel_why_t base_why(const pel_navigator_t *nav)
     return nav->have_station ? PEL_WHY_NO_ORBIT : PEL_WHY_NO_STATION;
 }
 
+static bool differs_in_use(const pel_used_t *a, const pel_used_t *b)
+{
+    bool same = a->preset_used == b->preset_used && a->preset_why == b->preset_why && a->imu_seen == b->imu_seen &&
+                a->imu_used == b->imu_used && a->imu_why == b->imu_why && a->base_seen == b->base_seen &&
+                a->base_used == b->base_used && a->base_why == b->base_why;
+    for (int k = 0; k < 3; k++) { same = same && pel_fabs(a->r_station_e[k] - b->r_station_e[k]) < 1e-4; }
+    for (int sys = 0; sys < PEL_N_SYS; sys++) {
+        same = same && a->rover_seen[sys] == b->rover_seen[sys] && a->base_carriers[sys] == b->base_carriers[sys] &&
+               a->carriers_used[sys] == b->carriers_used[sys] && a->sys_why[sys] == b->sys_why[sys];
+    }
+    return !same;
+}
+
 void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base)
 {
     pel_used_t u = nav->used;
@@ -165,7 +179,8 @@ void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel
     u.base_used = nav->relative;
     u.base_why = (uint8_t)base_why(nav);
     const bool differs = nav->cfg.preset != PEL_PRESET_AUTO && u.preset_used != u.preset_asked;
-    const bool lacks_imu = !nav->ins && (u.preset_asked == PEL_PRESET_INS_SINGLE || u.preset_asked == PEL_PRESET_INS_RTK);
+    const bool lacks_imu =
+        !nav->ins && (u.preset_asked == PEL_PRESET_INS_SINGLE || u.preset_asked == PEL_PRESET_INS_RTK);
     u.preset_why = !differs ? PEL_WHY_NONE : lacks_imu ? u.imu_why : u.base_why;
     for (int sys = 0; sys < PEL_N_SYS; sys++) { u.sys_why[sys] = (uint8_t)system_why(nav, &u, sys); }
     u.arw_rad_rts = (float)nav->cfg.imu.arw_rad_rts;
@@ -173,7 +188,7 @@ void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel
     u.sd_bg_radps = (float)nav->cfg.imu.sd_bg_radps;
     u.sd_ba_mps2 = (float)nav->cfg.imu.sd_am_mps2;
     memcpy(u.r_station_e, nav->station.r_ea_e, sizeof u.r_station_e);
-    const bool changed = memcmp(&u, &nav->used, sizeof u) != 0;
+    const bool changed = differs_in_use(&u, &nav->used);
     nav->used = u;
     if (!changed) { return; }
     nav->used.t_ns = nav->at_horizon.t_ns;

@@ -6,17 +6,17 @@
 #include "pelorus/earth.h"
 #include "pelorus/math.h"
 
-#define START_SD_R_M 5.0            /* at least: a single-point solution has biases its covariance does not know */
-#define START_SD_V_MPS 0.5
-#define UNKNOWN_SD_V_MPS 10.0       /* no Doppler */
-#define STATIC_MIN_S 20.0           /* gyrocompassing and gyro calibration need this much standing still */
-#define STILL_MPS 0.5               /* a steady turn or a straight flight looks static to an IMU: GNSS must say so too */
-#define LEVEL_SPAN_S 1.0            /* specific force is averaged this long to level while moving */
-#define RATE_SPAN_S 0.02            /* angular rate likewise, for the lever arm's rate */
-#define LEVEL_SD_RAD (4.0 * PEL_DEG)
-#define COURSE_SD_RAD (15.0 * PEL_DEG) /* crab, and a forward axis mounted by hand */
+#define START_SD_R_M       5.0 /* at least: a single-point solution has biases its covariance does not know */
+#define START_SD_V_MPS     0.5
+#define UNKNOWN_SD_V_MPS   10.0 /* no Doppler */
+#define STATIC_MIN_S       20.0 /* gyrocompassing and gyro calibration need this much standing still */
+#define STILL_MPS          0.5  /* a steady turn or a straight flight looks static to an IMU: GNSS must say so too */
+#define LEVEL_SPAN_S       1.0  /* specific force is averaged this long to level while moving */
+#define RATE_SPAN_S        0.02 /* angular rate likewise, for the lever arm's rate */
+#define LEVEL_SD_RAD       (4.0 * PEL_DEG)
+#define COURSE_SD_RAD      (15.0 * PEL_DEG) /* crab, and a forward axis mounted by hand */
 #define COMPASS_SD_MAX_RAD (3.0 * PEL_DEG)
-#define IMU_READY_NS (50 * PEL_NS_PER_MS)
+#define IMU_READY_NS       (50 * PEL_NS_PER_MS)
 
 void pel_nav_reset_alignment(pel_navigator_t *nav)
 {
@@ -96,11 +96,12 @@ void pel_nav_drop_ins(pel_navigator_t *nav)
 /* ---- the INS -------------------------------------------------------------------------------------------------------- */
 
 /* The attitude given at the first increment, carried to t by the gyros and the turn of the Earth. */
-static void carry_given_attitude(const pel_navigator_t *nav, pel_time_t t_ns, double lat, double lon, pel_alignment_t *out)
+static void carry_given_attitude(const pel_navigator_t *nav, pel_time_t t_ns, double lat, double lon,
+                                 pel_alignment_t *out)
 {
     const pel_nav_config_t *cfg = &nav->cfg;
-    pel_align_from_attitude(cfg->roll_rad, cfg->pitch_rad, cfg->heading_rad, cfg->sd_tilt_rad, cfg->sd_heading_rad, lat, lon,
-                            out);
+    pel_align_from_attitude(cfg->roll_rad, cfg->pitch_rad, cfg->heading_rad, cfg->sd_tilt_rad, cfg->sd_heading_rad, lat,
+                            lon, out);
     double C_rel[3][3], back[3][3], C[3][3];
     for (int i = 0; i < 3; i++) { copy3(nav->C_rel[i], C_rel[i]); }
     pel_imu_t part, rest;
@@ -121,7 +122,8 @@ static void carry_given_attitude(const pel_navigator_t *nav, pel_time_t t_ns, do
 }
 
 /* Mean specific force and angular rate over at most the last longest_s before t. Returns what the ring holds of it, s. */
-static double ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double longest_s, double f_ib_b[3], double omega_ib_b[3])
+static double ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double longest_s, double f_ib_b[3],
+                        double omega_ib_b[3])
 {
     double span_s = 0.0;
     for (int k = 0; k < 3; k++) { f_ib_b[k] = omega_ib_b[k] = 0.0; }
@@ -155,11 +157,14 @@ static bool align_moving(const pel_navigator_t *nav, double lat, double lon, dou
     pel_mat3_vec(C_e_enu, dv_e, a_enu);
     const bool have_a = nav->epoch_before_ns != 0 && dt_s < 1.5;
     const double sd_course = pel_sqrt(COURSE_SD_RAD * COURSE_SD_RAD + 0.01 / (speed * speed));
-    return pel_align_level(f_ib_b, have_a ? a_enu : NULL, pel_atan2(v_enu[0], v_enu[1]), sd_course, LEVEL_SD_RAD, lat, lon, h,
-                           out) == PEL_OK;
+    return pel_align_level(f_ib_b, have_a ? a_enu : NULL, pel_atan2(v_enu[0], v_enu[1]), sd_course, LEVEL_SD_RAD, lat,
+                           lon, h, out) == PEL_OK;
 }
 
-static bool stands_still(const pel_navigator_t *nav) { return pel_norm3(nav->at_horizon.v_eb_e) < STILL_MPS; }
+static bool stands_still(const pel_navigator_t *nav)
+{
+    return pel_norm3(nav->at_horizon.v_eb_e) < STILL_MPS;
+}
 
 /* While standing still the gyros show their own error (and 15 deg/h of the Earth): better than the data sheet. */
 static void calibrate_gyros(pel_navigator_t *nav, const double C_b_e[3][3], pel_real sd[PEL_MAX_STATES])
@@ -248,8 +253,12 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
     if (status == PEL_OK) {
         status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE), attitude->cov_psi_e);
     }
-    if (status == PEL_OK) { status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_VELOCITY), P_v); }
-    if (status == PEL_OK) { status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_r); }
+    if (status == PEL_OK) {
+        status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_VELOCITY), P_v);
+    }
+    if (status == PEL_OK) {
+        status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_r);
+    }
     nav->ins = true;
     nav->cfg.have_attitude = false; /* that of the first increment: good for one start */
     for (int i = 0; i < 3; i++) { copy3(attitude->C_b_e[i], nav->at_horizon.C_b_e[i]); }

@@ -11,19 +11,22 @@
 #include "pelorus/earth.h"
 #include "pelorus/math.h"
 
-#define LEVEL_AFTER_S 1.0      /* first levelling averages this long */
-#define LEVEL_TAU_S 10.0       /* tilt drift is pulled back to gravity this slowly */
-#define CALM_MPS2 0.5          /* 3 degrees of apparent tilt, within LEVEL_SD_RAD of start.c */
-#define DRIFT_MAX_RAD (4.0 * PEL_DEG) /* of the gyros between calm intervals: beyond it levelling begins anew */
-#define SHORTEST_S 0.4         /* shorter intervals drown in Doppler noise */
-#define LONGEST_S 2.5          /* longer ones had an outage in them */
-#define MEMORY 30.0            /* intervals remembered */
-#define FEWEST 6.0
+#define LEVEL_AFTER_S   1.0             /* first levelling averages this long */
+#define LEVEL_TAU_S     10.0            /* tilt drift is pulled back to gravity this slowly */
+#define CALM_MPS2       0.5             /* 3 degrees of apparent tilt, within LEVEL_SD_RAD of start.c */
+#define DRIFT_MAX_RAD   (4.0 * PEL_DEG) /* of the gyros between calm intervals: beyond it levelling begins anew */
+#define SHORTEST_S      0.4             /* shorter intervals drown in Doppler noise */
+#define LONGEST_S       2.5             /* longer ones had an outage in them */
+#define MEMORY          30.0            /* intervals remembered */
+#define FEWEST          6.0
 #define CORRELATION_MIN 0.6
-#define SD_MAX_RAD (12.0 * PEL_DEG)
-#define SD_FLOOR_RAD (4.0 * PEL_DEG)
+#define SD_MAX_RAD      (12.0 * PEL_DEG)
+#define SD_FLOOR_RAD    (4.0 * PEL_DEG)
 
-static void set3x3(double from[3][3], double to[3][3]) { memcpy(to, from, 9 * sizeof to[0][0]); }
+static void set3x3(double from[3][3], double to[3][3])
+{
+    memcpy(to, from, 9 * sizeof to[0][0]);
+}
 
 /* z of l along the specific force; y of l along the horizontal part of the body's y (or x) axis. */
 static void level(pel_yaw_t *y)

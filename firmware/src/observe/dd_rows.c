@@ -32,7 +32,8 @@ static void put_arm(const pel_antenna_t *ant, const double arm_e[3], const doubl
     put_vector(row, ant->i_psi, on_psi);
 }
 
-void pel_observe_range(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot, double dd_m, pel_row_t *row)
+void pel_observe_range(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot, double dd_m,
+                       pel_row_t *row)
 {
     double g[3];
     line_of_sight_difference(sat, pivot, g);
@@ -41,7 +42,8 @@ void pel_observe_range(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_
     put_vector(row, ant->i_r, g);
 }
 
-void pel_observe_rate(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot, double dd_mps, pel_row_t *row)
+void pel_observe_rate(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot, double dd_mps,
+                      pel_row_t *row)
 {
     double g[3];
     line_of_sight_difference(sat, pivot, g);

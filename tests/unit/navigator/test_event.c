@@ -9,7 +9,7 @@
 #include "unity.h"
 
 #define ARCSEC (PEL_PI / 180.0 / 3600.0)
-#define T0 (INT64_C(1300000000) * PEL_NS_PER_S)
+#define T0     (INT64_C(1300000000) * PEL_NS_PER_S)
 
 static pel_navigator_t nav;
 
@@ -83,8 +83,8 @@ static void hermite_at_100_hz_is_within_its_published_error(void)
         }
         n++;
     }
-    printf("Hermite at 100 Hz: %d events, rms %.4f arcsec, max %.4f arcsec, position max %.4f mm\n", n, sqrt(sum / 3 / n),
-           worst_arcsec, worst_mm);
+    printf("Hermite at 100 Hz: %d events, rms %.4f arcsec, max %.4f arcsec, position max %.4f mm\n", n,
+           sqrt(sum / 3 / n), worst_arcsec, worst_mm);
     TEST_ASSERT_GREATER_THAN_INT(390, n);
     TEST_ASSERT_LESS_THAN_DOUBLE(0.05, worst_arcsec); /* 0.02 of interpolation + float radians near pi/2 */
     TEST_ASSERT_LESS_THAN_DOUBLE(0.01, worst_mm);

@@ -59,9 +59,11 @@ static double dd(const world_t *w, bool of_rate)
 static world_t perturbed(int i, double e)
 {
     world_t w = world;
-    if (i >= I_R) { w.r[i - I_R] += e; }
-    else if (i >= I_V) { w.v[i - I_V] += e; }
-    else {
+    if (i >= I_R) {
+        w.r[i - I_R] += e;
+    } else if (i >= I_V) {
+        w.v[i - I_V] += e;
+    } else {
         double psi[3] = {0.0, 0.0, 0.0}, turn[3][3];
         psi[i - I_PSI] = e;
         pel_rotvec_to_dcm(psi, turn);
@@ -103,8 +105,11 @@ static void make_row(bool of_rate, pel_row_t *row)
     pel_mat3_vec(world.C, rate_b, ant.lever_rate_e);
     (void)range(&world, 0, pivot.u_e);
     (void)range(&world, 1, sat.u_e);
-    if (of_rate) { pel_observe_rate(&ant, &sat, &pivot, 0.25, row); }
-    else { pel_observe_range(&ant, &sat, &pivot, 0.25, row); }
+    if (of_rate) {
+        pel_observe_rate(&ant, &sat, &pivot, 0.25, row);
+    } else {
+        pel_observe_range(&ant, &sat, &pivot, 0.25, row);
+    }
 }
 
 static void check_against_differences(bool of_rate, int first, int last, double tolerance)

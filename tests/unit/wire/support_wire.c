@@ -24,7 +24,7 @@ void support_append(pel_epoch_t *e, pel_sys_t sys, int n)
         o->carrier = PAIR[sys].carrier[i % 2];
         o->code = PAIR[sys].code[i % 2];
         o->glo_k = (int8_t)((sys == PEL_SYS_GLO) ? (i / 2) % 14 - 7 : 0);
-        o->P_m = 20.2e6 + 123456.789 * (i / 2) + 3.21 * (i % 2) + 1e5 * sys;
+        o->P_m = 20.2e6 + 123456.789 * (i / 2) + 3.21 * (i % 2) + 1e5 * (double)sys;
         const double lambda = PEL_SPEED_OF_LIGHT / pel_carrier_hz(sys, (pel_carrier_t)o->carrier, o->glo_k);
         o->L_cyc = (o->P_m + 0.123 * i) / lambda;
         o->D_hz = (float)(-(480.0 - 31.25 * (i / 2) + 0.3 * (i % 2)) / lambda);
