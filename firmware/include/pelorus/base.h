@@ -146,23 +146,33 @@ typedef struct {
     pel_obs_t obs[PEL_MAX_OBS];
 } pel_epoch_t;
 
-/* Broadcast Keplerian orbit and clock: GPS, QZSS, Galileo, BeiDou. Times are GPS time also for BeiDou. */
+/* Broadcast orbit and clock: Kepler elements (GPS, QZSS, Galileo, BeiDou) or a state vector (GLONASS). Times are GPS time
+ * for all of them. */
 typedef struct {
     uint8_t sys;
     uint8_t prn;
     uint8_t health; /* 0 = usable */
     uint8_t source; /* Galileo: 0 I/NAV, 1 F/NAV; else 0 */
-    uint16_t iode;  /* IODE / IODnav / AODE */
+    uint16_t iode;  /* IODE / IODnav / AODE; GLONASS: t_b in quarters of an hour */
     uint16_t iodc;
     float sd_ura_m; /* user range accuracy, 1 sigma */
     float fit_s;    /* usable for |t - toe| up to this, s */
     pel_time_t toe_ns;
     pel_time_t toc_ns;
-    double af0, af1, af2;                    /* clock, s, s/s, s/s^2 */
-    double sqrt_a, e, i0, Omega0, omega, M0; /* m^0.5, -, rad */
-    double dn, Omega_dot, idot;              /* rad/s */
-    double cuc, cus, crc, crs, cic, cis;     /* rad, m */
-    double tgd_s[2];                         /* GPS/QZSS TGD; Galileo BGD E5a/E1, E5b/E1; BeiDou TGD1, TGD2 */
+    double af0, af1, af2; /* clock, s, s/s, s/s^2; GLONASS: -tau_n, gamma_n, 0 */
+    double tgd_s[2];      /* GPS/QZSS TGD; Galileo BGD E5a/E1, E5b/E1; BeiDou TGD1, TGD2; GLONASS G2 - G1, 0 */
+    union {
+        struct {
+            double sqrt_a, e, i0, Omega0, omega, M0; /* m^0.5, -, rad */
+            double dn, Omega_dot, idot;              /* rad/s */
+            double cuc, cus, crc, crs, cic, cis;     /* rad, m */
+        };
+        struct {
+            double r_e[3], v_e[3]; /* PZ-90 at toe, m, m/s */
+            double a_e[3];         /* by Sun and Moon, m/s^2 */
+            int8_t k;              /* frequency channel, -7..6 */
+        } glo;                     /* of PEL_SYS_GLO */
+    };
 } pel_ephemeris_t;
 
 /* Klobuchar ionosphere, GPS units (s, s/semicircle, ...). */

@@ -16,7 +16,7 @@
  *
  * Signs: L = rho + lambda N; single difference = rover - base; unit vectors point from antenna to satellite.
  * All state is the caller's; all functions are re-entrant. Sources: IS-GPS-200 (20.3.3), Galileo OS SIS ICD,
- * BDS-SIS-ICD-B1I, Saastamoinen (1972), Klobuchar (1987), Groves (2013) ch. 8-9, Teunissen & Montenbruck (2017). */
+ * BDS-SIS-ICD-B1I, ICD GLONASS 5.1, Saastamoinen (1972), Klobuchar (1987), Groves (2013) ch. 8-9, Teunissen & Montenbruck (2017). */
 #ifndef PELORUS_GNSS_H
 #define PELORUS_GNSS_H
 
@@ -42,12 +42,12 @@ void pel_orbits_init(pel_orbits_t *o);
 /* Keep an ephemeris. One of the same satellite and toe replaces its predecessor; of Galileo's two messages I/NAV is kept
  * where both are there. In a full store the oldest that a newer one of its satellite stands in for makes room, else the
  * oldest: give PEL_MAX_EPH room for what the streams carry, twice if possible.
- * Returns PEL_OK; PEL_E_RANGE if a number is not finite or no orbit of a GPS, QZSS, Galileo or BeiDou satellite has such
- * a value (nothing is kept). Cost: one pass over the store, PEL_MAX_EPH passes when it is full. */
+ * Returns PEL_OK; PEL_E_RANGE if a number is not finite or no orbit of a GPS, GLONASS, QZSS, Galileo or BeiDou satellite
+ * has such a value (nothing is kept). Cost: one pass over the store, PEL_MAX_EPH passes when it is full. */
 pel_status_t pel_orbits_add(pel_orbits_t *o, const pel_ephemeris_t *eph);
 
 /* The ephemeris whose toe lies nearest to t, within its fit interval (fit_s; 0 means 2 h GPS and BeiDou, 4 h Galileo,
- * 2 h QZSS) plus ten minutes of grace; Galileo I/NAV before F/NAV. NULL if none. Unhealthy ones are returned: the
+ * 2 h QZSS, 20 min GLONASS) plus ten minutes of grace; Galileo I/NAV before F/NAV. NULL if none. Unhealthy ones are returned: the
  * caller looks at health. The pointer is good until the next pel_orbits_add(). */
 const pel_ephemeris_t *pel_orbits_find(const pel_orbits_t *o, uint8_t sys, uint8_t prn, pel_time_t t_ns);
 
@@ -60,14 +60,16 @@ typedef struct {
 } pel_sat_state_t;
 
 /* State at GPS time t_ns + dt_s. Position and velocity in closed form from the Kepler elements (velocity is the
- * derivative of the position formula), BeiDou GEO (prn 1-5, 59-63) through its inclined frame.
- * Returns PEL_OK; PEL_E_RANGE (unusable elements); PEL_E_NO_CONVERGENCE (Kepler, at most 10 Newton steps; never seen
- * for e < 0.3). Output unchanged on failure. Cost: about 9 sin/cos pairs. */
+ * derivative of the position formula), BeiDou GEO (prn 1-5, 59-63) through its inclined frame. GLONASS: Runge-Kutta 4 from
+ * the broadcast state in steps of a minute, at most 60 (ICD GLONASS 5.1, A.3.1.2).
+ * Returns PEL_OK; PEL_E_RANGE (unusable elements, GLONASS farther than an hour from toe); PEL_E_NO_CONVERGENCE (Kepler, at most 10 Newton steps; never seen
+ * for e < 0.3). Output unchanged on failure. Cost: about 9 sin/cos pairs; GLONASS 250 multiply-adds, 4 divisions and 4
+ * square roots a step. */
 pel_status_t pel_sat_state(const pel_ephemeris_t *eph, pel_time_t t_ns, double dt_s, pel_sat_state_t *out);
 
 /* What a code on this carrier arrives late by, relative to the broadcast clock, m: subtract it from the pseudorange.
  * GPS, QZSS: TGD on L1, times (f1/f2)^2 on L2, 0 on L5. Galileo: BGD by the clock's own pair (source). BeiDou: TGD1 on B1I
- * and B1C, TGD2 on B2I (BeiDou-2), 0 on B3I. Carriers for which nothing is broadcast: 0. */
+ * and B1C, TGD2 on B2I (BeiDou-2), 0 on B3I. GLONASS: delta tau on G2, 0 on G1. Carriers for which nothing is broadcast: 0. */
 double pel_sat_group_delay_m(const pel_ephemeris_t *eph, pel_carrier_t carrier);
 
 /* ---- atmosphere ------------------------------------------------------------------------------------------------- */

@@ -26,6 +26,9 @@ static double sq(double x)
     return x * x;
 }
 
+/* GLONASS code: chips of twice the length; two receivers of one make share the delays of its channels. */
+#define GLO_CODE_GAIN 4.0
+
 /* Observed minus predicted of one receiver, what there is of it. */
 typedef struct {
     bool has_code, has_phase, has_rate;
@@ -44,7 +47,8 @@ static reduced_t reduce(const pel_obs_t *obs, const pel_sight_t *s, const pel_no
                    .has_rate = pel_obs_usable(obs, PEL_OBS_DOPPLER)};
     if (r.has_code) {
         r.code_m = obs->P_m - pel_sight_code_m(s, obs);
-        r.var_code = gain * pel_noise_var(noise, PEL_OBS_CODE, el, cn0);
+        r.var_code =
+            gain * ((obs->sys == PEL_SYS_GLO) ? GLO_CODE_GAIN : 1.0) * pel_noise_var(noise, PEL_OBS_CODE, el, cn0);
     }
     if (r.has_phase) {
         r.phase_m = lambda * obs->L_cyc - pel_sight_phase_m(s, obs);

@@ -1,6 +1,8 @@
 #include "pelorus/gnss.h"
 #include "pelorus/math.h"
 
+#include "glonass.h"
+
 /* Constants of the interface documents; they belong to the orbits' fits and differ from WGS-84's by design. */
 #define MU_GPS       3.9860050e14
 #define MU_GAL_BDS   3.986004418e14
@@ -131,6 +133,7 @@ pel_status_t pel_sat_state(const pel_ephemeris_t *eph, pel_time_t t_ns, double d
     const double toe_s = pel_time_tow_s(bds ? (eph->toe_ns - BDT_LAG_NS) : eph->toe_ns);
     plane_t plane;
 
+    if (eph->sys == PEL_SYS_GLO) { return pel_glo_state(eph, tk, out); }
     if (!(eph->sqrt_a > 1000.0) || !(eph->e >= 0.0 && eph->e < 0.5)) { return PEL_E_RANGE; }
     const pel_status_t status = orbit_in_plane(eph, mu, tk, &plane);
     if (status != PEL_OK) { return status; }

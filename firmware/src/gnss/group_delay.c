@@ -39,6 +39,7 @@ double pel_group_delay(uint8_t sys, uint8_t prn, uint8_t source, double tgd0, do
     if ((unsigned)carrier >= PEL_N_CARRIER) { return 0.0; }
     if (sys == PEL_SYS_GPS || sys == PEL_SYS_QZS) { return legacy_delay(tgd0, carrier); }
     if (sys == PEL_SYS_GAL) { return galileo_delay(source, tgd0, tgd1, carrier); }
+    if (sys == PEL_SYS_GLO) { return (carrier == PEL_CARRIER_L2) ? tgd0 : 0.0; } /* the clock refers to G1 */
     return (sys == PEL_SYS_BDS) ? beidou_delay(prn, tgd0, tgd1, carrier) : 0.0;
 }
 

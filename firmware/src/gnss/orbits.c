@@ -5,22 +5,35 @@
 
 #define BOTH_SOURCES_S 7200.0 /* Galileo's two messages this near one another describe the same orbit */
 
-/* Elements that no satellite of these systems has stop here, so that nothing downstream meets a NaN or a crash orbit. */
-static bool plausible(const pel_ephemeris_t *p)
+static bool kepler_plausible(const pel_ephemeris_t *p)
 {
-    const double finite[] = {p->af0,      p->af1,      p->af2, p->i0,   p->Omega0,    p->omega, p->M0,
-                             p->dn,       p->cuc,      p->cus, p->crc,  p->crs,       p->cic,   p->cis,
-                             p->tgd_s[0], p->tgd_s[1], p->e,   p->idot, p->Omega_dot, p->sqrt_a};
-
-    if (p->sys >= PEL_N_SYS || p->sys == PEL_SYS_GLO || p->sys == PEL_SYS_SBS) { return false; }
-    if (p->prn < 1 || p->prn > pel_sys_max_prn((pel_sys_t)p->sys)) { return false; }
+    const double finite[] = {p->i0,  p->Omega0, p->omega, p->M0, p->dn,   p->cuc,       p->cus,   p->crc,
+                             p->crs, p->cic,    p->cis,   p->e,  p->idot, p->Omega_dot, p->sqrt_a};
     for (size_t i = 0; i < sizeof finite / sizeof finite[0]; i++) {
         if (!pel_isfinite(finite[i])) { return false; }
     }
-    return p->sqrt_a > 4000.0 && p->sqrt_a < 7000.0 && p->e >= 0.0 && p->e < 0.5 && pel_fabs(p->af0) < 0.1 &&
-           pel_fabs(p->M0) < 10.0 && pel_fabs(p->omega) < 10.0 && pel_fabs(p->Omega0) < 10.0 && pel_fabs(p->i0) < 4.0 &&
-           pel_fabs(p->dn) < 1e-6 && pel_fabs(p->tgd_s[0]) < 1e-5 && pel_fabs(p->tgd_s[1]) < 1e-5 && p->fit_s >= 0.0f &&
-           p->fit_s < 1e6f && p->sd_ura_m >= 0.0f && p->toe_ns > 0 && p->toc_ns > 0;
+    return p->sqrt_a > 4000.0 && p->sqrt_a < 7000.0 && p->e >= 0.0 && p->e < 0.5 && pel_fabs(p->M0) < 10.0 &&
+           pel_fabs(p->omega) < 10.0 && pel_fabs(p->Omega0) < 10.0 && pel_fabs(p->i0) < 4.0 && pel_fabs(p->dn) < 1e-6;
+}
+
+/* Circular orbits of 25 500 km at 3.1 to 3.9 km/s over ground; Sun and Moon pull with 5e-6 m/s^2 at most. */
+static bool glonass_plausible(const pel_ephemeris_t *p)
+{
+    const double r = pel_norm3(p->glo.r_e);
+    const double v = pel_norm3(p->glo.v_e);
+    return r > 2.4e7 && r < 2.7e7 && v > 2000.0 && v < 5000.0 && pel_norm3(p->glo.a_e) < 1e-4 && p->glo.k >= -7 &&
+           p->glo.k <= 6;
+}
+
+/* Elements that no satellite of these systems has stop here, so that nothing downstream meets a NaN or a crash orbit. */
+static bool plausible(const pel_ephemeris_t *p)
+{
+    if (p->sys >= PEL_N_SYS || p->sys == PEL_SYS_SBS) { return false; }
+    if (p->prn < 1 || p->prn > pel_sys_max_prn((pel_sys_t)p->sys)) { return false; }
+    if (!pel_isfinite(p->af1) || !pel_isfinite(p->af2)) { return false; }
+    const bool orbit = (p->sys == PEL_SYS_GLO) ? glonass_plausible(p) : kepler_plausible(p);
+    return orbit && pel_fabs(p->af0) < 0.1 && pel_fabs(p->tgd_s[0]) < 1e-5 && pel_fabs(p->tgd_s[1]) < 1e-5 &&
+           p->fit_s >= 0.0f && p->fit_s < 1e6f && p->sd_ura_m >= 0.0f && p->toe_ns > 0 && p->toc_ns > 0;
 }
 
 static bool same_satellite(const pel_ephemeris_t *a, const pel_ephemeris_t *b)
@@ -83,6 +96,7 @@ static double usable_for_s(const pel_ephemeris_t *p)
     const double grace_s = 600.0;
     const double fit_s = (double)p->fit_s;
     if (fit_s > 0.0) { return fit_s + grace_s; }
+    if (p->sys == PEL_SYS_GLO) { return 1200.0 + grace_s; }
     return ((p->sys == PEL_SYS_GAL) ? 14400.0 : 7200.0) + grace_s;
 }
 

@@ -8,6 +8,7 @@
 
 #define MAX_ITERATIONS    12
 #define ATMOSPHERE_STEP_M 1.0 /* upwards, that is 0.3 mm of zenith delay */
+#define GLO_CODE_SD       2.0 /* chips of twice the length, and a delay of its own on each frequency channel */
 
 /* One least-squares problem, position from codes or velocity from Dopplers, with the same search for outliers. */
 typedef struct {
@@ -98,7 +99,8 @@ static double variance(const problem_t *p, int i)
     const double iono_sd = (double)s->sd_iono_m;
     const double tropo_sd = 0.05 * s->tropo_m;
     const double eph_sd = (double)s->sd_eph_m;
-    return p->cfg->code_sd_m * p->cfg->code_sd_m * law + iono_sd * iono_sd + tropo_sd * tropo_sd + eph_sd * eph_sd;
+    const double code_sd = p->cfg->code_sd_m * ((s->sys == PEL_SYS_GLO) ? GLO_CODE_SD : 1.0);
+    return code_sd * code_sd * law + iono_sd * iono_sd + tropo_sd * tropo_sd + eph_sd * eph_sd;
 }
 
 /* Observation equation of sight i: z = h dx. */
