@@ -10,7 +10,7 @@
 
 /* All the memory the firmware uses: known at link time. */
 static pel_navigator_t navigator;
-static pel_imu_stream_t imu_stream;
+static pel_imu_stream_t imu_stream, aux_stream; /* one a port: their bytes arrive interleaved */
 static pel_receiver_t rover, base;
 static pel_time_t counters_due_ns;
 static uint8_t frame[PEL_OUT_MAX_PAYLOAD + PEL_OUT_OVERHEAD];
@@ -78,12 +78,12 @@ static void take_receiver_event(pel_receiver_t *rx, bool is_base, pel_rx_event_t
     send_outputs();
 }
 
-static void take_imu_byte(uint8_t byte)
+static void take_imu_byte(pel_imu_stream_t *stream, uint8_t byte)
 {
-    switch (pel_imu_stream_push(&imu_stream, byte)) {
+    switch (pel_imu_stream_push(stream, byte)) {
     case PEL_IMU_NONE: return;
-    case PEL_IMU_SAMPLE: pel_navigator_push_imu(&navigator, &imu_stream.imu); break;
-    case PEL_IMU_EVENT_MARK: pel_navigator_push_event(&navigator, imu_stream.mark_t_ns, imu_stream.mark_id); break;
+    case PEL_IMU_SAMPLE: pel_navigator_push_imu(&navigator, &stream->imu); break;
+    case PEL_IMU_EVENT_MARK: pel_navigator_push_event(&navigator, stream->mark_t_ns, stream->mark_id); break;
     }
     send_outputs();
 }
@@ -95,8 +95,8 @@ static bool serve(hal_port_t port)
     const size_t n = hal_read(port, buf, sizeof buf);
     for (size_t i = 0; i < n; i++) {
         switch (port) {
-        case HAL_PORT_IMU:
-        case HAL_PORT_AUX1: take_imu_byte(buf[i]); break;
+        case HAL_PORT_IMU: take_imu_byte(&imu_stream, buf[i]); break;
+        case HAL_PORT_AUX1: take_imu_byte(&aux_stream, buf[i]); break;
         case HAL_PORT_ROVER: take_receiver_event(&rover, false, pel_receiver_push(&rover, buf[i])); break;
         case HAL_PORT_BASE: take_receiver_event(&base, true, pel_receiver_push(&base, buf[i])); break;
         case HAL_PORT_OUT:
@@ -132,6 +132,7 @@ static void start(void)
     (void)hal_load_config(&cfg);
     pel_navigator_init(&navigator, &cfg);
     pel_imu_stream_init(&imu_stream);
+    pel_imu_stream_init(&aux_stream);
     pel_receiver_init(&rover);
     pel_receiver_init(&base);
     counters_due_ns = 0;
@@ -147,8 +148,8 @@ const pel_wire_counters_t *firmware_counters(hal_port_t port)
     switch (port) {
     case HAL_PORT_ROVER: return &rover.counters;
     case HAL_PORT_BASE: return &base.counters;
+    case HAL_PORT_AUX1: return &aux_stream.counters;
     case HAL_PORT_IMU:
-    case HAL_PORT_AUX1:
     case HAL_PORT_OUT:
     case HAL_N_PORTS: break;
     }

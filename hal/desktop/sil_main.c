@@ -81,7 +81,7 @@ static bool tell_refused(const cli_t *cli)
     static const struct {
         const char *name;
         hal_port_t port;
-    } PORTS[] = {{"imu", HAL_PORT_IMU}, {"rover", HAL_PORT_ROVER}, {"base", HAL_PORT_BASE}};
+    } PORTS[] = {{"imu", HAL_PORT_IMU}, {"rover", HAL_PORT_ROVER}, {"base", HAL_PORT_BASE}, {"aux1", HAL_PORT_AUX1}};
     bool any = false;
     for (size_t i = 0; i < sizeof PORTS / sizeof PORTS[0]; i++) {
         const pel_wire_counters_t *c = firmware_counters(PORTS[i].port);

@@ -14,7 +14,7 @@ typedef enum {
     PEL_FIX_NONE = 0,  /* no position */
     PEL_FIX_SPP = 1,   /* single receiver code */
     PEL_FIX_FLOAT = 2, /* relative to a base, integers not fixed */
-    PEL_FIX_FIXED = 3, /* relative to a base, integers fixed and validated in this epoch */
+    PEL_FIX_FIXED = 3, /* relative to a base, integers fixed: validated in this epoch, or held without a slip since */
     PEL_FIX_COAST = 4  /* propagated, no GNSS in the last coast_after_s */
 } pel_fix_t;
 

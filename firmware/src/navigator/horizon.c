@@ -153,6 +153,7 @@ static void tick(pel_navigator_t *nav, const pel_imu_t *body)
     (void)pel_imu_split(body, due, &part, &rest);
     step(nav, &part, &at, &coning);
     pel_nav_fill_solution(nav, &at, &nav->solution);
+    nav->counters.coast_epochs += (nav->solution.fix == PEL_FIX_COAST);
     nav->ready |= PEL_NAV_BIT(PEL_NAV_SOLUTION);
 }
 
