@@ -5,10 +5,11 @@
 
 #include "pelorus/math.h"
 
-#define IMU_ALIVE_NS (1 * PEL_NS_PER_S)     /* an IMU silent for longer does not take part */
-#define BASE_ALIVE_NS (120 * PEL_NS_PER_S)  /* a base silent for longer is not waited for */
-#define BASE_MATCH_NS (50 * PEL_NS_PER_MS)  /* base and rover epochs this near belong together */
-#define IMU_SETTLE_NS (20 * PEL_NS_PER_MS)  /* receiver clocks may be off by this: the true instant must be in the ring */
+#define IMU_ALIVE_NS  (1 * PEL_NS_PER_S)   /* an IMU silent for longer does not take part */
+#define BASE_ALIVE_NS (120 * PEL_NS_PER_S) /* a base silent for longer is not waited for */
+#define BASE_MATCH_NS (50 * PEL_NS_PER_MS) /* base and rover epochs this near belong together */
+#define IMU_SETTLE_NS                                                                                                  \
+    (20 * PEL_NS_PER_MS) /* receiver clocks may be off by this: the true instant must be in the ring */
 
 void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
 {
@@ -18,7 +19,8 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
     nav->orbits.no_ionosphere = cfg->no_ionosphere;
     pel_slip_init(&nav->slip_rover);
     pel_slip_init(&nav->slip_base);
-    nav->slip_rover.phase_sd_m = pel_sqrt(cfg->noise.phase_a_m * cfg->noise.phase_a_m + cfg->noise.phase_b_m * cfg->noise.phase_b_m);
+    nav->slip_rover.phase_sd_m =
+        pel_sqrt(cfg->noise.phase_a_m * cfg->noise.phase_a_m + cfg->noise.phase_b_m * cfg->noise.phase_b_m);
     nav->slip_base.phase_sd_m = nav->slip_rover.phase_sd_m;
     pel_imu_ring_init(&nav->ring);
     pel_nav_reset_alignment(nav);
@@ -165,7 +167,10 @@ void pel_navigator_push_ephemeris(pel_navigator_t *nav, const pel_ephemeris_t *e
     (void)pel_orbits_add(&nav->orbits, eph);
 }
 
-void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k) { nav->orbits.klobuchar = *k; }
+void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k)
+{
+    nav->orbits.klobuchar = *k;
+}
 
 void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
 {
