@@ -29,6 +29,18 @@ extern "C" {
 
 typedef enum { PEL_ILS_EMPTY = 0, PEL_ILS_SEARCHING, PEL_ILS_OPTIMAL, PEL_ILS_BUDGET } pel_ils_stage_t;
 
+/* One step of the decorrelation: ambiguity k less m 2^(8 shift) times ambiguity j; or, with j = k, ambiguity k less m
+ * times k-1 and these two exchanged. */
+typedef struct {
+    uint8_t k : 6;
+    uint8_t shift : 2;
+    uint8_t j;
+    int16_t m;
+} pel_ils_step_t;
+
+/* Steps there is room for, reductions and exchanges together. */
+#define PEL_ILS_STEPS (PEL_MAX_AMB * PEL_MAX_AMB)
+
 /* One integer least-squares problem: min over integer vectors N of (a - N)' Q^-1 (a - N).
  * Callers may read the first group and write nothing. At most 16 KB at PEL_MAX_AMB = 40. */
 typedef struct {
@@ -47,15 +59,18 @@ typedef struct {
     /* private */
     int32_t budget;
     int16_t level;
+    int16_t n_steps;
+    uint8_t order[PEL_MAX_AMB];      /* the ambiguity that pivoting put at each place */
     double LD[PEL_TRI(PEL_MAX_AMB)]; /* covariance, then Q_z = L D L': unit L with D on its diagonal */
     union {
-        int32_t back[PEL_MAX_AMB * PEL_MAX_AMB]; /* N = N0 + sum over p of z_p back[p][.] */
+        pel_ils_step_t step_made[PEL_ILS_STEPS]; /* undone in reverse, they turn z into N - N0 */
         double scratch[PEL_MAX_AMB * PEL_MAX_AMB / 2];
     };
     int64_t origin[PEL_MAX_AMB];  /* N0: the integer part removed first */
     double zhat[PEL_MAX_AMB];     /* decorrelated float ambiguities */
     double mean[PEL_MAX_AMB];     /* conditional means down to `level` */
     double w[PEL_MAX_AMB];        /* mean - z */
+    double inv_D[PEL_MAX_AMB];    /* 1 / D */
     double cost[PEL_MAX_AMB + 1]; /* partial squared norms of the levels before */
     int32_t z[PEL_MAX_AMB], step[PEL_MAX_AMB];
     int32_t best_z[PEL_ILS_BEST][PEL_MAX_AMB];
@@ -64,8 +79,8 @@ typedef struct {
 
 _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at most 16 KB at n = 40");
 
-/* Take in a problem: integer part removed, Q = L D L' with symmetric pivoting, integer decorrelation with full size
- * reduction of a row at each exchange.
+/* Take in a problem: integer part removed, Q = L D L' with symmetric pivoting, integer decorrelation that reduces
+ * what its exchanges need.
  *
  *  s       out  engine; on failure empty (s->n = 0)
  *  n       in   ambiguities, 1..PEL_MAX_AMB
@@ -74,10 +89,11 @@ _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at 
  *  n_best  in   candidates wanted, 1..PEL_ILS_BEST (a ratio needs 2)
  *  budget  in   nodes after which the search gives up, >= 1
  *
- * PEL_E_RANGE: n, n_best or budget out of range, a or Q not finite, |a| too large, a variance above 1e12 cycles^2, or a transform
- * beyond 31 bits. PEL_E_NOT_POSDEF: Q is not positive definite (a pivot at or below 1e-13 of its variance).
- * Cost about n^3 / 6 multiply-adds for the factor and n^2 for each of at most PEL_ILS_SWAPS(n) exchanges.
- * Reference: Teunissen (1995), J. Geodesy 70; Chang, Yang, Zhou (2005), J. Geodesy 79 (pivoting). */
+ * PEL_E_RANGE: n, n_best or budget out of range, a or Q not finite, |a| too large, or a variance above 1e12 cycles^2.
+ * PEL_E_NOT_POSDEF: Q is not positive definite (a pivot at or below 1e-13 of its variance).
+ * Cost about n^3 / 6 multiply-adds for the factor and 2 n for each of at most PEL_ILS_SWAPS(n) exchanges.
+ * Reference: Teunissen (1995), J. Geodesy 70; Chang, Yang, Zhou (2005), J. Geodesy 79 (pivoting); Xie, Chang, Al Borno (2011), Partial
+ * LLL reduction. */
 pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget);
 
 /* Room in the engine where a caller short of stack may write Q and a before it gives them to pel_ils_init(). */

@@ -14,14 +14,36 @@ static inline const double *tri_row_const(const double *packed, int i)
     return &packed[i * (i + 1) / 2];
 }
 
+/* For |x| < 2^30. */
+static inline int32_t nearest_integer(double x)
+{
+    return (int32_t)((x < 0.0) ? x - 0.5 : x + 0.5);
+}
+
+/* Sum of a[i] b[i], i < n. */
+static inline double dot(const double *a, const double *b, int n)
+{
+    double even = 0.0;
+    double odd = 0.0;
+    int i = 0;
+    for (; i + 4 <= n; i += 4) {
+        even += a[i] * b[i];
+        odd += a[i + 1] * b[i + 1];
+        even += a[i + 2] * b[i + 2];
+        odd += a[i + 3] * b[i + 3];
+    }
+    for (; i < n; i++) { even += a[i] * b[i]; }
+    return even + odd;
+}
+
 /* Begin with the covariance in s->LD and the float ambiguities in s->zhat (both filled by the caller). */
 pel_status_t pel_ils_start(pel_ils_t *s, int n, int n_best, int32_t budget);
 
-/* Q in s->LD = L D L' in place, rows permuted (with zhat and back) so that each pivot is the smallest left. */
+/* Q in s->LD = L D L' in place, rows permuted (with zhat and order) so that each pivot is the smallest left. */
 pel_status_t pel_ils_factor(pel_ils_t *s);
 
-/* Unimodular transform in place on L, D, zhat and back. PEL_E_RANGE: an entry of the transform beyond 31 bits. */
-pel_status_t pel_ils_decorrelate(pel_ils_t *s);
+/* Unimodular transform in place on L, D and zhat, noted step by step. */
+void pel_ils_decorrelate(pel_ils_t *s);
 
 /* First node of the search. */
 pel_status_t pel_ils_first_node(pel_ils_t *s);

@@ -40,6 +40,7 @@ static void measure_strength(pel_ils_t *s)
     double log_sum = 0.0;
     for (int p = 0; p < s->n; p++) {
         const double d = tri_row(s->LD, p)[p];
+        s->inv_D[p] = 1.0 / d;
         if (d > SURE_VARIANCE) { success *= 1.0 - 2.0 * pel_normal_cdf(-0.5 / pel_sqrt(d)); }
         product *= d;
         if (product < 1e-200 || product > 1e200) { /* one logarithm for many factors */
@@ -68,12 +69,11 @@ pel_status_t pel_ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
     s->swaps = 0;
     s->float_sq = 0.0;
     s->float_dof = 0;
-    memset(s->back, 0, sizeof s->back);
-    for (int p = 0; p < n; p++) { s->back[p * n + p] = 1; }
+    s->n_steps = 0;
 
     status = pel_ils_factor(s);
-    if (status == PEL_OK) { status = pel_ils_decorrelate(s); }
     if (status == PEL_OK) {
+        pel_ils_decorrelate(s);
         measure_strength(s);
         status = pel_ils_first_node(s);
     }
@@ -94,15 +94,31 @@ pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q,
     return pel_ils_start(s, n, n_best, budget);
 }
 
+/* Integers of the float ambiguities behind decorrelated ones: the steps undone, last first. Arithmetic modulo 2^64, which is exact for
+ * every N that fits, whatever the numbers on the way. */
+static void undo(const pel_ils_t *s, uint64_t *z)
+{
+    for (const pel_ils_step_t *t = s->step_made + s->n_steps; t-- != s->step_made;) {
+        uint64_t *at = &z[t->k];
+        if (t->j == t->k) {
+            const uint64_t reduced = at[-1];
+            at[-1] = at[0];
+            at[0] = reduced + (uint64_t)(int64_t)t->m * at[-1];
+        } else {
+            at[0] += (uint64_t)((int64_t)t->m * (1 << 8 * t->shift)) * z[t->j];
+        }
+    }
+}
+
 pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq)
 {
     if (s->stage == PEL_ILS_EMPTY || k < 0 || k >= s->n_found) { return PEL_E_MISSING; }
     const int n = s->n;
     if (N != NULL) {
-        for (int i = 0; i < n; i++) {
-            N[i] = s->origin[i];
-            for (int p = 0; p < n; p++) { N[i] += (int64_t)s->best_z[k][p] * s->back[p * n + i]; }
-        }
+        uint64_t z[PEL_MAX_AMB];
+        for (int p = 0; p < n; p++) { z[p] = (uint64_t)(int64_t)s->best_z[k][p]; }
+        undo(s, z);
+        for (int p = 0; p < n; p++) { N[s->order[p]] = (int64_t)((uint64_t)s->origin[s->order[p]] + z[p]); }
     }
     if (sq != NULL) { *sq = s->best_sq[k]; }
     return PEL_OK;

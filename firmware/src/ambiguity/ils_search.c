@@ -14,14 +14,13 @@
 static pel_status_t enter_level(pel_ils_t *s, int p)
 {
     const double *row = tri_row_const(s->LD, p);
-    double mean = s->zhat[p];
-    for (int j = 0; j < p; j++) { mean -= row[j] * s->w[j]; }
+    const double mean = s->zhat[p] - dot(row, s->w, p);
     if (!(pel_fabs(mean) < INTEGER_MAX)) { return PEL_E_RANGE; }
-    const double nearest = pel_round(mean);
+    const int32_t nearest = nearest_integer(mean);
     s->level = (int16_t)p;
     s->mean[p] = mean;
-    s->z[p] = (int32_t)nearest;
-    s->w[p] = mean - nearest;
+    s->z[p] = nearest;
+    s->w[p] = mean - (double)nearest;
     s->step[p] = (s->w[p] < 0.0) ? -1 : 1;
     return PEL_OK;
 }
@@ -64,7 +63,7 @@ pel_status_t pel_ils_first_node(pel_ils_t *s)
 static pel_status_t visit(pel_ils_t *s)
 {
     const int p = s->level;
-    const double sq = s->cost[p] + s->w[p] * s->w[p] / tri_row(s->LD, p)[p];
+    const double sq = s->cost[p] + s->w[p] * s->w[p] * s->inv_D[p];
     s->nodes++;
     if (sq >= bound(s)) { /* its farther siblings are worse: back to the level before */
         if (p == 0) {
@@ -115,7 +114,7 @@ double pel_ils_lower_bound(const pel_ils_t *s)
     if (s->stage == PEL_ILS_OPTIMAL) { return low; }
     for (int p = 0; p <= s->level; p++) { /* the node at hand, and the next sibling of each level above it */
         const double w = (p == s->level) ? s->w[p] : s->w[p] - (double)s->step[p];
-        low = pel_min(low, s->cost[p] + w * w / tri_row_const(s->LD, p)[p]);
+        low = pel_min(low, s->cost[p] + w * w * s->inv_D[p]);
     }
     return low;
 }
