@@ -15,7 +15,7 @@ cmake --build "$build" -j "${JOBS:-2}" -- --quiet
 python3 cmake/firmware_report.py "$build/hal/pelorus-$board.elf" "$build"
 
 # The navigator's RAM budget of the design is for 2 x 32 signals; the board has the sizes of config.h and board.cmake.
-small="PEL_MAX_OBS=32 PEL_MAX_SATS=16 PEL_MAX_EPH=16 PEL_MAX_AMB=24"
+small="PEL_MAX_OBS=32 PEL_MAX_SATS=16 PEL_MAX_EPH=16 PEL_MAX_AMB=24 PEL_MAX_STATES=24 PEL_MAX_TRACKED=32 PEL_IMU_RING=128 PEL_POSE_RING=32"
 # shellcheck disable=SC2086
 echo '#include "pelorus/navigator.h"
       char size[sizeof(pel_navigator_t)];' |
