@@ -199,8 +199,9 @@ typedef struct pel_navigator_t {
     double corrected_e[3]; /* position corrections since the last slip check, m */
     pel_time_t last_tag_ns, last_epoch_ns, epoch_before_ns, last_imu_ns;
     pel_fix_t last_fix;
-    bool relative;  /* rows are differenced against the base */
-    uint8_t doubts; /* epochs in a row that refused most of their code */
+    uint8_t late_rover, late_base, late_imu; /* refused in a row for their time: many mean that time began anew */
+    bool relative;                           /* rows are differenced against the base */
+    uint8_t doubts;                          /* epochs in a row that refused most of their code */
 
     pel_view_t view_rover, view_base;
     pel_sd_set_t sd;

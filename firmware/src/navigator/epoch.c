@@ -376,7 +376,7 @@ static int satellites_used(const pel_navigator_t *nav)
     return n;
 }
 
-static void stop(pel_navigator_t *nav)
+void pel_nav_stop(pel_navigator_t *nav)
 {
     if (nav->ins) { pel_nav_reset_alignment(nav); }
     nav->ins = false;
@@ -397,7 +397,7 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     nav->counters.restarts++;
     nav->epoch_solution.flags |= PEL_SOL_RESTARTED;
     const bool fresh = nav->have_spp && nav->spp.t_ns == nav->at_horizon.t_ns; /* never back in time */
-    stop(nav);
+    pel_nav_stop(nav);
     nav->relative = false; /* a single-point solution says so */
     if (fresh) { pel_nav_start_gnss(nav, &nav->spp); }
 }
@@ -408,6 +408,7 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     nav->last_fix = !nav->relative ? PEL_FIX_SPP : (u->held_used >= 3) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
     if (nav->last_fix == PEL_FIX_FIXED) { u->ints.reason = PEL_INT_OK; }
     nav->counters.epochs_used++;
+    nav->late_rover = 0;
     nav->last_epoch_ns = nav->at_horizon.t_ns;
     out->int_reason = (uint8_t)u->ints.reason;
     out->ratio = (float)u->ints.ratio;
@@ -448,6 +449,7 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
         pel_status_t status = pel_nav_advance(nav, t_ns);
         if (status == PEL_E_STALE && t_ns < nav->at_horizon.t_ns) {
             nav->counters.epochs_late++;
+            nav->late_rover++;
             return false;
         }
         if (status == PEL_E_MISSING && nav->ins) { /* the IMU has gone */
@@ -459,7 +461,7 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
             return true;
         }
         nav->counters.restarts++;
-        stop(nav); /* also where no start follows: an INS without its factors must not go on telling */
+        pel_nav_stop(nav); /* also where no start follows: an INS without its factors must not go on telling */
     }
     if (!solved) { return false; }
     pel_nav_start_gnss(nav, &nav->spp);

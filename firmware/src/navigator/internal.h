@@ -57,6 +57,9 @@ bool pel_nav_yaw_solve(const pel_navigator_t *nav, double C_b_enu[3][3], double 
 
 /* ---- epoch.c, integers.c ---- */
 
+/* No state until the next single-point solution. */
+void pel_nav_stop(pel_navigator_t *nav);
+
 /* Use one rover epoch with its base epoch (or NULL). */
 void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base);
 

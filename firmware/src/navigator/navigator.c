@@ -9,7 +9,9 @@
 #define BASE_ALIVE_NS (120 * PEL_NS_PER_S) /* a base silent for longer is not waited for */
 #define BASE_MATCH_NS (50 * PEL_NS_PER_MS) /* base and rover epochs this near belong together */
 #define IMU_SETTLE_NS                                                                                                  \
-    (20 * PEL_NS_PER_MS) /* receiver clocks may be off by this: the true instant must be in the ring */
+    (20 * PEL_NS_PER_MS)     /* receiver clocks may be off by this: the true instant must be in the ring */
+#define MOST_LATE_EPOCHS  10 /* refused for their time in a row; their receiver then tells another time */
+#define MOST_LATE_SAMPLES 200
 
 void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
 {
@@ -94,6 +96,34 @@ static void apply_if_due(pel_navigator_t *nav)
     if (imu_has_passed(nav, t_ns) && base_is_settled(nav, t_ns)) { apply_oldest(nav); }
 }
 
+/* ---- when time begins anew ------------------------------------------------------------------------------------------ */
+
+/* One epoch or sample with a time far ahead would shut out all true ones after it. */
+static bool begins_anew(uint8_t *late, int most)
+{
+    if (++*late < most) { return false; }
+    *late = 0;
+    return true;
+}
+
+static void restart_rover(pel_navigator_t *nav)
+{
+    nav->counters.restarts++;
+    pel_nav_stop(nav);
+    nav->n_rover = 0;
+    nav->have_spp = false;
+    nav->last_tag_ns = nav->last_epoch_ns = nav->epoch_before_ns = 0;
+}
+
+static void restart_imu(pel_navigator_t *nav)
+{
+    pel_imu_ring_init(&nav->ring);
+    pel_nav_drop_ins(nav);
+    pel_nav_reset_alignment(nav);
+    nav->cfg.have_attitude = false; /* the turns since the first increment are lost */
+    nav->last_imu_ns = 0;
+}
+
 /* ---- receivers ---------------------------------------------------------------------------------------------------- */
 
 /* Keep what the configuration allows. */
@@ -113,8 +143,9 @@ static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_
 
 void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
-    if (epoch->t_ns <= nav->last_tag_ns) {
+    if (epoch->t_ns <= nav->last_tag_ns || nav->late_rover >= MOST_LATE_EPOCHS) {
         nav->counters.epochs_late++;
+        if (begins_anew(&nav->late_rover, MOST_LATE_EPOCHS)) { restart_rover(nav); }
         return;
     }
     if (nav->n_rover == PEL_ROVER_QUEUE) { apply_oldest(nav); }
@@ -149,8 +180,10 @@ void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
     if (nav->n_base > 0 && epoch->t_ns <= nav->base[nav->n_base - 1].t_ns) {
         nav->counters.epochs_late++;
+        if (begins_anew(&nav->late_base, MOST_LATE_EPOCHS)) { nav->n_base = 0; }
         return;
     }
+    nav->late_base = 0;
     if (nav->n_base == PEL_BASE_QUEUE) {
         nav->n_base--;
         memmove(&nav->base[0], &nav->base[1], (size_t)nav->n_base * sizeof nav->base[0]);
@@ -230,10 +263,7 @@ static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
     if (nav->last_imu_ns == 0 || pel_fabs(gap_s) <= 0.5 * body->dt_s) { return; }
     nav->counters.imu_gap++;
     if (gap_s > PEL_NAV_LONGEST_GAP_S) {
-        pel_imu_ring_init(&nav->ring);
-        pel_nav_drop_ins(nav);
-        pel_nav_reset_alignment(nav);
-        nav->cfg.have_attitude = false; /* the turns since the first increment are lost */
+        restart_imu(nav);
         return;
     }
     doubt_bridge(nav, pel_imu_ring_newest(&nav->ring), body, gap_s);
@@ -253,8 +283,10 @@ void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
     }
     if (imu->t_ns <= nav->last_imu_ns) {
         nav->counters.imu_out_of_order++;
+        if (begins_anew(&nav->late_imu, MOST_LATE_SAMPLES)) { restart_imu(nav); }
         return;
     }
+    nav->late_imu = 0;
     pel_imu_t body;
     turn_to_body(nav, imu, &body);
     bridge_gap(nav, &body);
