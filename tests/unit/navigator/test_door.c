@@ -33,6 +33,7 @@ static void all_but_the_counters_are_as_before(void)
 {
     pel_navigator_t now = nav;
     now.counters = before.counters;
+    now.late_rover = now.late_base = now.late_imu = 0;
     TEST_ASSERT_EQUAL_MEMORY(&before, &now, sizeof now);
 }
 
@@ -110,6 +111,29 @@ static void base_epochs_go_forward_only(void)
     TEST_ASSERT_EQUAL_INT(1, nav.n_base);
 }
 
+static void one_base_epoch_from_the_future_does_not_shut_out_all_others(void)
+{
+    static pel_epoch_t e;
+    e.t_ns = T0 + 3600 * PEL_NS_PER_S;
+    pel_navigator_push_base(&nav, &e);
+    for (int i = 0; i < 20; i++) {
+        e.t_ns = T0 + i * PEL_NS_PER_S;
+        pel_navigator_push_base(&nav, &e);
+    }
+    TEST_ASSERT_EQUAL_INT64(e.t_ns, nav.base[nav.n_base - 1].t_ns);
+}
+
+static void nor_does_one_increment(void)
+{
+    pel_imu_t imu = still(T0 + 3600 * PEL_NS_PER_S);
+    pel_navigator_push_imu(&nav, &imu);
+    for (int i = 0; i < 300; i++) {
+        imu = still(T0 + PEL_NS_PER_S + i * 10 * PEL_NS_PER_MS);
+        pel_navigator_push_imu(&nav, &imu);
+    }
+    TEST_ASSERT_EQUAL_INT64(imu.t_ns, nav.last_imu_ns);
+}
+
 static void rover_epochs_out_of_order_are_put_in_order(void)
 {
     static pel_epoch_t e;
@@ -146,6 +170,8 @@ int main(void)
     RUN_TEST(a_long_gap_starts_alignment_again);
     RUN_TEST(a_base_that_does_not_know_its_place_is_no_base);
     RUN_TEST(base_epochs_go_forward_only);
+    RUN_TEST(one_base_epoch_from_the_future_does_not_shut_out_all_others);
+    RUN_TEST(nor_does_one_increment);
     RUN_TEST(rover_epochs_out_of_order_are_put_in_order);
     RUN_TEST(an_epoch_without_orbits_gives_no_solution);
     return UNITY_END();
