@@ -36,12 +36,24 @@ typedef struct {
     int64_t truth[AMB_MAX];
 } problem_t;
 
-/* A realistic problem with about n ambiguities (exactly n): random sky, 1 to 3 carriers, code 0.3 to 3 m, phase 2 to 6 mm, ionosphere
- * of a baseline of 0.1 to 60 km, one epoch or several averaged, with or without a position prior; integers up to 1e9. */
+/* A realistic problem of n ambiguities: random sky, 1 to 4 systems with pivots and frequencies of their own, 1 to 3 carriers, code 0.3 to
+ * 3 m, phase 2 to 6 mm, ionosphere of a baseline of 0.1 to 60 km, one epoch or up to 300 averaged, with (0.02 to 1 m) or without a position
+ * prior; integers up to 1e9. */
 problem_t problem_random(rng_t *r, int n);
 
 /* Packed lower triangle of a problem's Q. */
 void problem_pack(const problem_t *p, double *packed);
+
+#define ORACLE_BEST 2
+
+typedef struct {
+    int n_found;
+    int64_t N[ORACLE_BEST][AMB_MAX];
+    long double sq[ORACLE_BEST];
+} oracle_t;
+
+/* Best and second best integer vectors, searched in long double without limit of any kind. */
+void oracle_solve(const problem_t *p, oracle_t *out);
 
 /* Is k successes of n compatible with probability p at the 99 % level (two-sided, exact binomial tails of 0.5 % each)? */
 bool binomial_agrees(int k, int n, double p);
