@@ -408,7 +408,6 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     nav->last_fix = !nav->relative ? PEL_FIX_SPP : (u->held_used >= 3) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
     if (nav->last_fix == PEL_FIX_FIXED) { u->ints.reason = PEL_INT_OK; }
     nav->counters.epochs_used++;
-    nav->late_rover = 0;
     nav->last_epoch_ns = nav->at_horizon.t_ns;
     out->int_reason = (uint8_t)u->ints.reason;
     out->ratio = (float)u->ints.ratio;
@@ -449,7 +448,6 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
         pel_status_t status = pel_nav_advance(nav, t_ns);
         if (status == PEL_E_STALE && t_ns < nav->at_horizon.t_ns) {
             nav->counters.epochs_late++;
-            nav->late_rover++;
             return false;
         }
         if (status == PEL_E_MISSING && nav->ins) { /* the IMU has gone */

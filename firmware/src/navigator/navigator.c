@@ -12,6 +12,7 @@
     (20 * PEL_NS_PER_MS)     /* receiver clocks may be off by this: the true instant must be in the ring */
 #define MOST_LATE_EPOCHS  10 /* refused for their time in a row; their receiver then tells another time */
 #define MOST_LATE_SAMPLES 200
+#define FAR_BACK_NS       (5 * PEL_NS_PER_S)
 
 void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
 {
@@ -98,10 +99,10 @@ static void apply_if_due(pel_navigator_t *nav)
 
 /* ---- when time begins anew ------------------------------------------------------------------------------------------ */
 
-/* One epoch or sample with a time far ahead would shut out all true ones after it. */
-static bool begins_anew(uint8_t *late, int most)
+/* One epoch or sample with a time far ahead would shut out all true ones after it. Late by a line's delay is another thing. */
+static bool begins_anew(uint8_t *late, int most, pel_time_t t_ns, pel_time_t newest_ns)
 {
-    if (++*late < most) { return false; }
+    if (newest_ns - t_ns < FAR_BACK_NS || ++*late < most) { return false; }
     *late = 0;
     return true;
 }
@@ -143,11 +144,12 @@ static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_
 
 void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
-    if (epoch->t_ns <= nav->last_tag_ns || nav->late_rover >= MOST_LATE_EPOCHS) {
+    if (epoch->t_ns <= nav->last_tag_ns) {
         nav->counters.epochs_late++;
-        if (begins_anew(&nav->late_rover, MOST_LATE_EPOCHS)) { restart_rover(nav); }
+        if (begins_anew(&nav->late_rover, MOST_LATE_EPOCHS, epoch->t_ns, nav->last_tag_ns)) { restart_rover(nav); }
         return;
     }
+    nav->late_rover = 0;
     if (nav->n_rover == PEL_ROVER_QUEUE) { apply_oldest(nav); }
     int place = nav->n_rover;
     while (place > 0 && nav->rover[place - 1].t_ns > epoch->t_ns) { place--; }
@@ -180,7 +182,8 @@ void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
     if (nav->n_base > 0 && epoch->t_ns <= nav->base[nav->n_base - 1].t_ns) {
         nav->counters.epochs_late++;
-        if (begins_anew(&nav->late_base, MOST_LATE_EPOCHS)) { nav->n_base = 0; }
+        const pel_time_t newest_ns = nav->base[nav->n_base - 1].t_ns;
+        if (begins_anew(&nav->late_base, MOST_LATE_EPOCHS, epoch->t_ns, newest_ns)) { nav->n_base = 0; }
         return;
     }
     nav->late_base = 0;
@@ -283,7 +286,7 @@ void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
     }
     if (imu->t_ns <= nav->last_imu_ns) {
         nav->counters.imu_out_of_order++;
-        if (begins_anew(&nav->late_imu, MOST_LATE_SAMPLES)) { restart_imu(nav); }
+        if (begins_anew(&nav->late_imu, MOST_LATE_SAMPLES, imu->t_ns, nav->last_imu_ns)) { restart_imu(nav); }
         return;
     }
     nav->late_imu = 0;
