@@ -1,7 +1,6 @@
 /* cases.c - what is counted: one call each, on filters that look like a flight's. */
 #include "bench.h"
 #include "dense.h"
-#include "pelorus/ambiguity.h"
 #include "pelorus/earth.h"
 #include "pelorus/filter.h"
 #include "pelorus/inertial.h"
@@ -167,67 +166,6 @@ BODY one_second(void)
     }
 }
 
-/* Integer problems as short baselines give them: n double differences of 7 (or, from n = 20, 11) satellites, code 0.5 m, phase 3 mm. */
-static double search_a[5][PEL_MAX_AMB];
-static double search_Q[5][PEL_TRI(PEL_MAX_AMB)];
-static int search_n;
-static pel_ils_t search;
-
-static void prepare_search(int n)
-{
-    const int per_carrier = (n < 20) ? 6 : 10;
-    search_n = n;
-    for (int p = 0; p < 5; p++) {
-        double g[10][3];
-        double M[3][3] = {
-            {1e-6, 0.0, 0.0}, {0.0, 1e-6, 0.0}, {0.0, 0.0, 1e-6}}; /* information of the code, all carriers */
-        double C[3][3];
-        for (int i = 0; i < per_carrier; i++) {
-            for (int k = 0; k < 3; k++) { g[i][k] = (double)noise(); }
-        }
-        for (int i = 0; i < n; i++) {
-            for (int k = 0; k < 9; k++) {
-                M[k / 3][k % 3] += g[i % per_carrier][k / 3] * g[i % per_carrier][k % 3] / (4.0 * 0.25);
-            }
-        }
-        (void)pel_mat3_inverse(M, C);
-        for (int i = 0; i < n; i++) {
-            search_a[p][i] = 3.0 * (double)noise();
-            for (int j = 0; j <= i; j++) {
-                double Cg[3];
-                pel_mat3_vec(C, g[j % per_carrier], Cg);
-                const int carrier_i = i / per_carrier;
-                const double li = 0.19 + 0.02 * (double)carrier_i;
-                const int carrier_j = j / per_carrier;
-                const double lj = 0.19 + 0.02 * (double)carrier_j;
-                const double phase = (i == j) ? 2.0 * 1.8e-5 : ((i / per_carrier == j / per_carrier) ? 1.8e-5 : 0.0);
-                search_Q[p][PEL_TRI(i) + j] = (pel_dot3(g[i % per_carrier], Cg) + phase) / (li * lj);
-            }
-        }
-    }
-}
-
-static void prepare_search_6(void)
-{
-    prepare_search(6);
-}
-static void prepare_search_20(void)
-{
-    prepare_search(20);
-}
-static void prepare_search_40(void)
-{
-    prepare_search(40);
-}
-
-BODY integer_search(void)
-{
-    for (int p = 0; p < 5; p++) {
-        (void)pel_ils_init(&search, search_n, search_a[p], search_Q[p], 2, 20000);
-        (void)pel_ils_run(&search, 20000);
-    }
-}
-
 const bench_case_t bench_cases[] = {
     {"strapdown step (double: M7)", prepare_strapdown, strapdown, 1, 450, ""},
     {"transition matrix, 18 states", prepare_18, transition, 1, 0, ""},
@@ -247,9 +185,6 @@ const bench_case_t bench_cases[] = {
     {"h P h', position + lever row, 18 states", prepare_18, hph, 1, 0, ""},
     {"hash of the factors, 18 states", prepare_18, hash, 1, 0, ""},
     {"a second: 200 Hz IMU, 20 Hz x 24 rows (M7)", prepare_18, one_second, 1, 3000000, ""},
-    {"integers, n = 6: decorrelate, search (M7)", prepare_search_6, integer_search, 5, 4500, ""},
-    {"integers, n = 20: decorrelate, search (M7)", prepare_search_20, integer_search, 5, 96000, ""},
-    {"integers, n = 40: decorrelate, search (M7)", prepare_search_40, integer_search, 5, 612000, ""},
     {"dense Phi P Phi' + Q, 18 states", prepare_18, dense_time_update, 1, 0, ""},
     {"dense Phi P Phi' + Q, 24 states", prepare_behind, dense_time_update, 1, 0, ""},
     {"dense P - K h P, 18 states", prepare_18, dense_row, 1, 0, ""},

@@ -4,6 +4,7 @@
 #include <stdint.h>
 
 #include "bench.h"
+#include "integers.h"
 
 extern uint32_t _estack, _sdata, _edata, _sidata, _sbss, _ebss;
 
@@ -71,6 +72,18 @@ void reset_handler(void)
         semihost(4, bench_cases[i].name);
         semihost(4, "\t");
         print_number(n / (uint32_t)bench_cases[i].per);
+        semihost(4, "\n");
+    }
+    for (int size = 0; size < BENCH_SIZES; size++) {
+        long counts[BENCH_PROBLEMS];
+        for (int k = 0; k < BENCH_PROBLEMS; k++) {
+            bench_integers_prepare(size, k);
+            counts[k] = (long)(count(bench_integers) - empty);
+        }
+        semihost(4, "integers ");
+        print_number((uint32_t)bench_sizes[size]);
+        semihost(4, "\t");
+        print_number((uint32_t)bench_median(counts, BENCH_PROBLEMS));
         semihost(4, "\n");
     }
     finish(0);

@@ -11,8 +11,8 @@ m7) cpu="-mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16" board=mps2-an500 ;;
 *) echo "target.sh: m4f or m7" >&2; exit 2 ;;
 esac
 # shellcheck disable=SC2086
-arm-none-eabi-gcc -std=gnu11 -mthumb $cpu -O2 -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections -Ifirmware/include \
-    tools/bench/{cases,dense,target}.c firmware/src/{base,math,earth,inertial,model,filter,ambiguity}/*.c \
-    -nostartfiles -Wl,--gc-sections --specs=nosys.specs -T tools/bench/target.ld -o "$out/bench.elf"
+arm-none-eabi-gcc -std=gnu11 -mthumb $cpu -O2 -ffp-contract=off -fno-math-errno -ffunction-sections -fdata-sections -Ifirmware/include -Itests/unit/ambiguity \
+    tools/bench/{cases,dense,integers,target}.c tests/unit/ambiguity/support_{ambiguity,problem}.c firmware/src/{base,math,earth,inertial,model,filter,ambiguity}/*.c \
+    -nostartfiles -Wl,--gc-sections --specs=nosys.specs -T tools/bench/target.ld -lm -o "$out/bench.elf"
 qemu-system-arm -M $board -display none -monitor none -serial null -semihosting-config enable=on,target=native \
     -icount shift=10 -kernel "$out/bench.elf" 2>&1
