@@ -4,6 +4,7 @@
  *     E t_ns n dropped reset | O sys prn carrier code P L D cn0 lock flags glo_k
  *     N sys prn source health iode iodc ura fit toe_ns toc_ns af0 af1 af2 sqrt_a e i0 Omega0 omega M0 dn Omega_dot idot
  *       cuc cus crc crs cic cis tgd0 tgd1
+ *     R prn health iode ura toe_ns toc_ns af0 af1 tgd0 k x vx ax y vy ay z vz az (GLONASS)
  *     K a0..a3 b0..b3 | S id x y z | V t_ns fix carrier n lat lon h vn ve vd sdh sdv | C the ten counters
  *   peer_wire imu FILE [gyro accel dt]                  IMU stream -> I t_ns dt a0 a1 a2 u0 u1 u2 seq flags | M t_ns id | C
  *   peer_wire recode FILE FORMAT OUT [approximate time] receiver stream -> the same through our encoders:
@@ -36,8 +37,20 @@ static void print_epoch(const pel_epoch_t *e)
     }
 }
 
+static void print_glonass(const pel_ephemeris_t *e)
+{
+    printf("R %u %u %u %.3f %" PRId64 " %" PRId64 " %.17g %.17g %.17g %d", e->prn, e->health, e->iode,
+           (double)e->sd_ura_m, e->toe_ns, e->toc_ns, e->af0, e->af1, e->tgd_s[0], e->glo.k);
+    for (int i = 0; i < 3; i++) { printf(" %.17g %.17g %.17g", e->glo.r_e[i], e->glo.v_e[i], e->glo.a_e[i]); }
+    printf("\n");
+}
+
 static void print_ephemeris(const pel_ephemeris_t *e)
 {
+    if (e->sys == PEL_SYS_GLO) {
+        print_glonass(e);
+        return;
+    }
     const double v[] = {e->af0,   e->af1, e->af2, e->sqrt_a,    e->e,        e->i0,      e->Omega0,
                         e->omega, e->M0,  e->dn,  e->Omega_dot, e->idot,     e->cuc,     e->cus,
                         e->crc,   e->crs, e->cic, e->cis,       e->tgd_s[0], e->tgd_s[1]};
@@ -109,15 +122,15 @@ static void emit(const uint8_t *p, size_t n, const char *what)
 
 static void recode_epoch(const pel_epoch_t *e)
 {
-    static const pel_sys_t MSM_SYS[] = {PEL_SYS_GPS, PEL_SYS_GAL, PEL_SYS_QZS, PEL_SYS_BDS};
+    static const pel_sys_t MSM_SYS[] = {PEL_SYS_GPS, PEL_SYS_GLO, PEL_SYS_GAL, PEL_SYS_QZS, PEL_SYS_BDS};
     static uint8_t buf[PEL_MAX_FRAME_BYTES];
     if (out_msm == 0) {
         emit(buf, pel_ubx_encode_rawx(e, 18, buf, sizeof buf), "rawx");
     } else if (out_msm == 1004) {
         emit(buf, pel_rtcm3_encode_1004(e, 7, false, buf, sizeof buf), "1004");
     } else {
-        for (int i = 0; i < 4; i++) {
-            emit(buf, pel_rtcm3_encode_msm(e, MSM_SYS[i], out_msm, 7, i < 3, buf, sizeof buf), "msm");
+        for (int i = 0; i < 5; i++) {
+            emit(buf, pel_rtcm3_encode_msm(e, MSM_SYS[i], out_msm, 7, i < 4, buf, sizeof buf), "msm");
         }
     }
 }

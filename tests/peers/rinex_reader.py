@@ -103,6 +103,31 @@ def read_nav(path):
     return found, (alpha + beta if alpha and beta and any(alpha) else None)
 
 
+def read_glonass(path):
+    """State vectors of a RINEX 2 GLONASS file, or of the R records of a RINEX 3 one; times in GPS time."""
+    lines = lines_of(path)
+    v2 = float(lines[0][:9]) < 3
+    lines = lines[next(i for i, line in enumerate(lines) if "END OF HEADER" in line) + 1 :]
+    found = []
+    for i, line in enumerate(lines):
+        if line[:1] != "R" and not (v2 and line[:2].strip()):
+            continue
+        t = (line[3:22] if v2 else line[4:23]).split()
+        year = full_year(int(t[0])) if v2 else int(t[0])
+        utc = gps_ns(year, *map(int, t[1:5]), t[5])
+        v = fields(lines[i : i + 4], 22 if v2 else 23, 3 if v2 else 4)
+        e = dict(sys=1, prn=int(line[:2] if v2 else line[1:3]), health=int(v[6]), toe_ns=utc + leap_s(year, int(t[1])) * 10**9, af0=v[0], af1=v[1], k=int(v[10]))
+        for axis, at in zip("xyz", (3, 7, 11)):
+            e.update({axis: 1e3 * v[at], "v" + axis: 1e3 * v[at + 1], "a" + axis: 1e3 * v[at + 2]})
+        found.append(e)
+    return found
+
+
+def leap_s(year, month):
+    """GPS - UTC since 1999."""
+    return 13 + sum((year, month) >= (y, m) for y, m in ((2006, 1), (2009, 1), (2012, 7), (2015, 7), (2017, 1)))
+
+
 def blank(system, prn, carrier, code):
     return dict(sys=SYSTEMS[system], prn=prn, carrier=carrier, code=code, P=0.0, L=0.0, D=0.0, cn0=0.0, flags=0)
 

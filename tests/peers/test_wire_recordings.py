@@ -7,7 +7,7 @@ import pytest
 import rtklib_nav
 from gnss_peer import recording
 from pyubx2 import calc_checksum
-from wire_peer import compare_ephemerides, compare_signals, convbin, decode, key, match_epochs, unpacked
+from wire_peer import STATE, compare_ephemerides, compare_signals, convbin, convbin_glonass, decode, key, match_epochs, unpacked
 
 UBX = {  # file: epochs that convbin writes of its UBX frames
     ("walk-imu-ubx-2025", "gnss_1730.ubx.gz"): 536,
@@ -81,9 +81,37 @@ def test_rtcm_recording_equals_convbin(parts, tmp_path):
     assert len(epochs) == n_epochs == len(pairs)
     assert_same_numbers(worst)
     assert counts["only_theirs"] == 0 and not lost and not different
-    for a, b in pairs:  # what only convbin has is GLONASS, a carrier that is no member here, or a second code on a carrier
-        have = {key(o)[:3] for o in a}
-        assert {key(o)[:3] for o in b if o["sys"] != 1} <= have
+    for a, b in pairs:  # what only convbin has is a carrier that is no member here, a second code on a carrier, or GLONASS
+        have = {key(o)[:3] for o in a}  # of a stream that does not tell the channels
+        channels = any(o["sys"] == 1 for o in a)
+        assert {key(o)[:3] for o in b if o["sys"] != 1 or channels} <= have
+
+
+@pytest.mark.parametrize("name, sets", [("rover-20181009-1221", 18), ("base-20181009-1220", 27)])
+def test_glonass_strings_equal_convbin(name, sets, tmp_path):
+    """The base's line loses strings: convbin joins those of several frames, we only those of one."""
+    path = ubx_alone(unpacked(tmp_path, "galway-walk-20181009", name + ".ubx.gz"))
+    ours = {(e["prn"], e["toe_ns"]): e for e in decode(path).glonass}
+    theirs = convbin_glonass(path, "ubx", tmp_path)
+    both = [(ours[e["prn"], e["toe_ns"]], e) for e in theirs if (e["prn"], e["toe_ns"]) in ours]
+    worst = {n: max(abs(a[n] - b[n]) for a, b in both) for n in STATE if n != "tgd0"}
+    print(f"\n{name}: {len(both)} of {len(theirs)} sets of {len({e['prn'] for e in theirs})} satellites, worst {worst['x']:.1e} m "
+          f"{worst['vx']:.1e} m/s {worst['af0']:.1e} s")
+    assert len(theirs) == sets and len(both) >= (sets if "rover" in name else 20)
+    assert max(worst[n] for n in "xyz") < 6e-5 and worst["vx"] < 6e-9 and worst["af0"] < 6e-16 and worst["k"] == 0  # 12 digits
+    assert all(a["health"] == b["health"] for a, b in both) and len(ours) == len(both)
+
+
+def test_glonass_1020_equals_convbin(tmp_path):
+    """Its N_T is that of the week after its GPS messages: then the nearest day counts."""
+    path = recording("rtklib-rcvraw", "testglo.rtcm3")
+    ours = {(e["prn"], e["toe_ns"]): e for e in decode(path, gps_seconds((2009, 12, 12))).glonass}
+    theirs = convbin_glonass(path, "rtcm3", tmp_path, "2009/12/12 12:00:00")
+    print(f"\n{len(ours)} sets, convbin {len(theirs)}")
+    assert theirs
+    for e in theirs:
+        mine = ours[e["prn"], e["toe_ns"]]
+        assert max(abs(mine[n] - e[n]) for n in "xyz") < 6e-5 and abs(mine["af0"] - e["af0"]) < 6e-16 and mine["k"] == e["k"]
 
 
 def test_epoch_whose_last_message_is_another_systems_ends_there():
@@ -168,10 +196,10 @@ def test_galileo_inav_equals_rtklib(parts, tmp_path):
 
 
 def test_a_base_that_sends_both_is_read_from_its_rtcm(tmp_path):
-    """529 RAWX and 1144 MSM epochs of one receiver, whose phases have other integers in each."""
+    """529 RAWX and 1605 MSM epochs of one receiver, whose phases have other integers in each; 461 lost their GPS message."""
     both = decode(unpacked(tmp_path, "galway-walk-20181009", "base-20181009-1220.ubx.gz"))
     print(f"\n{len(both.epochs)} epochs of the mixed stream")
-    assert len(both.epochs) == 1144
+    assert len(both.epochs) == 1605 and sum(any(o["sys"] == 0 for o in obs) for _, obs in both.epochs) == 1144
 
 
 def test_station_of_galway_base(tmp_path):

@@ -11,12 +11,13 @@ rinex_reader.CARRIERS.setdefault("S", {"1": rinex_reader.L1, "5": rinex_reader.L
 
 COUNTERS = "frames noise checksum length value unknown duplicate back gap overflow".split()
 ORBIT = "af0 af1 af2 sqrt_a e i0 Omega0 omega M0 dn Omega_dot idot cuc cus crc crs cic cis tgd0 tgd1".split()
+STATE = "af0 af1 tgd0 k x vx ax y vy ay z vz az".split()
 WEEK_NS = 604800 * 10**9
 
 
 class Decoded:
     def __init__(self):
-        self.epochs, self.ephemerides, self.klobuchar, self.stations, self.pvt, self.counters = [], [], [], [], [], {}
+        self.epochs, self.glonass, self.ephemerides, self.klobuchar, self.stations, self.pvt, self.counters = [], [], [], [], [], [], {}
 
 
 def parse(text):
@@ -34,6 +35,10 @@ def parse(text):
                      ura=float(v[6]), fit=float(v[7]), toe_ns=int(v[8]), toc_ns=int(v[9]))
             e.update(zip(ORBIT, map(float, v[10:])))
             d.ephemerides.append(e)
+        elif kind == "R":
+            e = dict(sys=1, prn=int(v[0]), health=int(v[1]), iode=int(v[2]), ura=float(v[3]), toe_ns=int(v[4]), toc_ns=int(v[5]))
+            e.update(zip(STATE, map(float, v[6:])))
+            d.glonass.append(e)
         elif kind == "K":
             d.klobuchar.append(list(map(float, v)))
         elif kind == "S":
@@ -78,6 +83,15 @@ def convbin(path, fmt, tmp, time=None):
         for o in signals:
             o["prn"] -= 19 if o["sys"] == rinex_reader.SYSTEMS["S"] else 0
     return epochs, (rinex_reader.read_nav(nav)[0] if nav.exists() else [])
+
+
+def convbin_glonass(path, fmt, tmp, time=None):
+    """GLONASS ephemerides as convbin reads the file."""
+    nav = tmp / (path.name + ".glo")
+    command = ["convbin", "-r", fmt, "-v", "2.11", "-o", "/dev/null", "-n", "/dev/null", "-g", str(nav)]
+    command += ["-tr", *time.split()] if time else []
+    subprocess.run(command + [str(path)], check=True, capture_output=True)
+    return rinex_reader.read_glonass(nav) if nav.exists() else []
 
 
 def key(o):

@@ -22,7 +22,7 @@ extern "C" {
 typedef enum {
     PEL_RX_NONE = 0,
     PEL_RX_EPOCH,     /* rx->epoch: RXM-RAWX, or all RTCM 3 observation messages of one time */
-    PEL_RX_EPHEMERIS, /* rx->ephemeris: RXM-SFRBX (complete, consistent set) or 1019, 1042, 1044, 1045, 1046 */
+    PEL_RX_EPHEMERIS, /* rx->ephemeris: RXM-SFRBX (complete, consistent set) or 1019, 1020, 1042, 1044, 1045, 1046 */
     PEL_RX_KLOBUCHAR, /* rx->klobuchar: GPS subframe 4 page 18 */
     PEL_RX_STATION,   /* rx->station: 1005, 1006 */
     PEL_RX_PVT        /* rx->pvt: NAV-PVT */
@@ -33,7 +33,7 @@ typedef struct {
     uint8_t sys, prn; /* prn 0: free */
     uint16_t have;    /* bit i: part i is stored */
     uint32_t touched; /* rx->nav_clock when last written */
-    uint32_t start_s; /* BeiDou: second of week where the frame began; parts of different frames do not mix */
+    uint32_t start_s; /* BeiDou: second of week where the frame began, GLONASS its number; frames do not mix */
     uint8_t data[PEL_NAV_BYTES];
 } pel_nav_slot_t;
 
@@ -50,6 +50,8 @@ typedef struct pel_receiver_t {
     pel_time_t t_given_ns;   /* last epoch delivered, 0 = none */
     pel_time_t t_back_ns;    /* newest epoch refused as older than that */
     pel_time_t t_gps_msm_ns; /* last MSM of GPS, 0 = none: 1004 beside it is not used */
+    pel_time_t t_glo_msm_ns; /* of GLONASS: 1012 */
+    uint8_t glo_channel[33]; /* by slot, k + 8; 0 = not told */
     uint8_t n_back;          /* how many in a row: a receiver that restarted is believed after PEL_WIRE_RESTART */
     bool collecting;         /* epoch holds RTCM observations not yet delivered */
     uint16_t fill;           /* bytes in buf */
@@ -124,7 +126,7 @@ size_t pel_rawimusx_encode(const pel_imu_t *imu, uint8_t imu_type, double gyro_s
 size_t pel_ubx_encode_rawx(const pel_epoch_t *e, int leap_s, uint8_t *out, size_t cap);
 
 /* RXM-SFRBX with one part of an ephemeris as broadcast at t: GPS, QZSS LNAV subframe 1..3; Galileo I/NAV word 1..5;
- * BeiDou D1 subframe 1..3, D2 (prn 1..5, 59..63) subframe 1 page 1..10. Field precision is the message's own. */
+ * BeiDou D1 subframe 1..3, D2 (prn 1..5, 59..63) subframe 1 page 1..10; GLONASS string 1..4. Field precision is the message's own. */
 size_t pel_ubx_encode_sfrbx_eph(const pel_ephemeris_t *eph, int part, pel_time_t t, uint8_t *out, size_t cap);
 int pel_ubx_sfrbx_parts(const pel_ephemeris_t *eph); /* how many parts; 0 for a system without encoder */
 
@@ -134,9 +136,9 @@ size_t pel_ubx_encode_sfrbx_klobuchar(const pel_klobuchar_t *k, int prn, pel_tim
 /* NAV-PVT. */
 size_t pel_ubx_encode_pvt(const pel_pvt_t *p, uint8_t *out, size_t cap);
 
-/* RTCM 3. Station type 1005 or 1006 (height 0: the position is the antenna's). Ephemeris 1019, 1042, 1044, 1045, 1046.
+/* RTCM 3. Station type 1005 or 1006 (height 0: the position is the antenna's). Ephemeris 1019, 1020, 1042, 1044, 1045, 1046.
  * MSM 4..7 of one system, `more`: another message of the same epoch follows. An MSM holds at most 64 cells: the signals
- * that do not fit into one are left out (all systems but GLONASS). 1004: GPS L1 and L2. */
+ * that do not fit into one are left out. 1004: GPS L1 and L2. */
 size_t pel_rtcm3_encode_station(const pel_station_t *s, int type, uint8_t *out, size_t cap);
 size_t pel_rtcm3_encode_ephemeris(const pel_ephemeris_t *eph, uint8_t *out, size_t cap);
 size_t pel_rtcm3_encode_msm(const pel_epoch_t *e, pel_sys_t sys, int msm, uint16_t station, bool more, uint8_t *out,

@@ -127,6 +127,21 @@ static void restart_imu(pel_navigator_t *nav)
 
 /* ---- receivers ---------------------------------------------------------------------------------------------------- */
 
+static bool allowed(const pel_navigator_t *nav, const pel_obs_t *obs)
+{
+    return obs->sys < PEL_N_SYS && (nav->cfg.systems & (1u << obs->sys)) != 0 && obs->carrier < PEL_N_CARRIER &&
+           (nav->cfg.carriers & (1u << obs->carrier)) != 0;
+}
+
+/* A base whose line loses messages sends epochs of one system alone: of one that is not used there is nothing to keep. */
+static bool any_allowed(const pel_navigator_t *nav, const pel_epoch_t *e)
+{
+    for (int i = 0; i < e->n && i < PEL_MAX_OBS; i++) {
+        if (allowed(nav, &e->obs[i])) { return true; }
+    }
+    return false;
+}
+
 /* Keep what the configuration allows. */
 static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_epoch_t *out)
 {
@@ -136,9 +151,7 @@ static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_
     out->n = 0;
     for (int i = 0; i < in->n && i < PEL_MAX_OBS; i++) {
         const pel_obs_t *obs = &in->obs[i];
-        const bool system = obs->sys < PEL_N_SYS && (nav->cfg.systems & (1u << obs->sys)) != 0;
-        const bool carrier = obs->carrier < PEL_N_CARRIER && (nav->cfg.carriers & (1u << obs->carrier)) != 0;
-        if (system && carrier) { out->obs[out->n++] = *obs; }
+        if (allowed(nav, obs)) { out->obs[out->n++] = *obs; }
     }
 }
 
@@ -180,6 +193,7 @@ static void keep_unseen_slips(const pel_navigator_t *nav, pel_epoch_t *newest)
 
 void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
+    if (epoch->n > 0 && !any_allowed(nav, epoch)) { return; }
     if (nav->n_base > 0 && epoch->t_ns <= nav->base[nav->n_base - 1].t_ns) {
         nav->counters.epochs_late++;
         const pel_time_t newest_ns = nav->base[nav->n_base - 1].t_ns;
@@ -200,7 +214,7 @@ void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
 
 void pel_navigator_push_ephemeris(pel_navigator_t *nav, const pel_ephemeris_t *eph)
 {
-    (void)pel_orbits_add(&nav->orbits, eph);
+    if (eph->sys < PEL_N_SYS && (nav->cfg.systems & (1u << eph->sys)) != 0) { (void)pel_orbits_add(&nav->orbits, eph); }
 }
 
 void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k)

@@ -105,6 +105,7 @@ pel_rx_event_t pel_ubx_sfrbx(pel_receiver_t *rx, const uint8_t *payload, size_t 
 pel_rx_event_t pel_ubx_pvt(pel_receiver_t *rx, const uint8_t *payload, size_t n);
 pel_rx_event_t pel_rtcm3_msm(pel_receiver_t *rx, const uint8_t *msg, size_t n, bool *hold);
 pel_rx_event_t pel_rtcm3_1004(pel_receiver_t *rx, const uint8_t *msg, size_t n, bool *hold);
+pel_rx_event_t pel_rtcm3_1012(pel_receiver_t *rx, const uint8_t *msg, size_t n, bool *hold);
 pel_rx_event_t pel_rtcm3_ephemeris(pel_receiver_t *rx, const uint8_t *msg, size_t n);
 
 /* The time to resolve truncated weeks with: the current one, or the middle of the span of 1024 weeks from 2019-04-07. */
@@ -115,6 +116,10 @@ pel_time_t pel_rx_reference(const pel_receiver_t *rx);
 bool pel_rx_collect(pel_receiver_t *rx, pel_time_t t, bool *hold, pel_rx_event_t *event);
 /* Closes it. PEL_RX_EPOCH if it holds anything. */
 pel_rx_event_t pel_rx_deliver(pel_receiver_t *rx);
+
+/* GLONASS frequency channels by slot, for messages that do not carry them. False: not told yet. */
+void pel_rx_learn_channel(pel_receiver_t *rx, unsigned slot, int k);
+bool pel_rx_channel(const pel_receiver_t *rx, unsigned slot, int8_t *k);
 
 /* Adds a signal to the epoch: out of range is counted as bad_value, a second code on the same satellite and carrier as
  * duplicate (the preferred one stays), one too many as overflow. */

@@ -11,7 +11,7 @@ const pel_msm_kind_t *pel_msm_kind(int msm)
     return (msm >= 4 && msm <= 7) ? &KIND[msm - 4] : NULL;
 }
 
-/* RTCM 10403 tables 3.5-91 (GPS), 3.5-99 (Galileo), 3.5-102 (SBAS), 3.5-105 (QZSS), 3.5-108 (BeiDou). */
+/* RTCM 10403 tables 3.5-91 (GPS), 3.5-96 (GLONASS), 3.5-99 (Galileo), 3.5-102 (SBAS), 3.5-105 (QZSS), 3.5-108 (BeiDou). */
 typedef struct {
     uint8_t sys, id, carrier;
     char code;
@@ -40,6 +40,8 @@ static const msm_signal_t SIGNAL[] = {
     {PEL_SYS_QZS, 15, PEL_CARRIER_L2, 'S'},  {PEL_SYS_QZS, 16, PEL_CARRIER_L2, 'L'},
     {PEL_SYS_QZS, 17, PEL_CARRIER_L2, 'X'},  {PEL_SYS_QZS, 22, PEL_CARRIER_L5, 'I'},
     {PEL_SYS_QZS, 23, PEL_CARRIER_L5, 'Q'},  {PEL_SYS_QZS, 24, PEL_CARRIER_L5, 'X'},
+    {PEL_SYS_GLO, 2, PEL_CARRIER_L1, 'C'},   {PEL_SYS_GLO, 3, PEL_CARRIER_L1, 'P'},
+    {PEL_SYS_GLO, 8, PEL_CARRIER_L2, 'C'},   {PEL_SYS_GLO, 9, PEL_CARRIER_L2, 'P'},
     {PEL_SYS_SBS, 2, PEL_CARRIER_L1, 'C'},   {PEL_SYS_SBS, 22, PEL_CARRIER_L5, 'I'},
     {PEL_SYS_SBS, 23, PEL_CARRIER_L5, 'Q'},  {PEL_SYS_SBS, 24, PEL_CARRIER_L5, 'X'},
     {PEL_SYS_BDS, 2, PEL_CARRIER_B1I, 'I'},  {PEL_SYS_BDS, 3, PEL_CARRIER_B1I, 'Q'},

@@ -45,6 +45,31 @@ void pel_bds_d2_fields(pel_bitio_t *io, pel_ephemeris_t *eph, pel_nav_raw_t *raw
 /* What begins every BeiDou subframe: preamble, number, second of week; 38 bits. */
 void pel_bds_head_fields(pel_bitio_t *io, pel_nav_raw_t *raw);
 
+/* GLONASS. Its time is that of Moscow: int64 ns of UTC(SU) + 3 h, counted from 1980-01-06 like GPS time. */
+typedef struct {
+    uint32_t part; /* string number found in the message */
+    uint32_t t_k;  /* when the frame began, s of the day, multiple of 30 */
+    uint32_t t_b;  /* of the ephemeris, quarters of an hour of the day */
+    uint32_t n_t;  /* day in its four years, 1..1461; 0 not told */
+    uint32_t slot, unhealthy, l_n, f_t, m;
+} pel_glo_raw_t;
+
+pel_time_t pel_moscow_from_gps(pel_time_t t);
+pel_time_t pel_gps_from_moscow(pel_time_t moscow);
+/* GPS time of day of week 0..6 (7 unknown) and ms of the day (of Moscow), nearest to t_ref. */
+pel_time_t pel_glo_epoch_near(unsigned day_of_week, uint32_t ms_of_day, pel_time_t t_ref);
+/* As pel_eph_from_raw() and pel_eph_to_raw(); t_ref within 4 days; within half a day where n_t is not told, or
+ * is further away than that. */
+bool pel_glo_from_raw(pel_ephemeris_t *eph, const pel_glo_raw_t *raw, pel_time_t t_ref);
+bool pel_glo_to_raw(const pel_ephemeris_t *eph, pel_time_t t, pel_glo_raw_t *raw);
+/* String 1..4 from its idle bit on, 85 bits with the eight of its parity (not visited). */
+#define PEL_GLO_BYTES 11
+void pel_glo_string_fields(pel_bitio_t *io, int string, pel_ephemeris_t *eph, pel_glo_raw_t *raw);
+bool pel_glo_string_good(const uint8_t *string);
+void pel_glo_string_seal(uint8_t *string);
+/* RTCM 1020 behind its number; channels that do not exist give k = 127. */
+void pel_glo_1020_fields(pel_bitio_t *io, pel_ephemeris_t *e, pel_glo_raw_t *raw);
+
 /* Moves n_bits between unaligned places. */
 void pel_bits_copy(uint8_t *to, size_t to_pos, const uint8_t *from, size_t from_pos, size_t n_bits);
 

@@ -99,6 +99,18 @@ pel_rx_event_t pel_rx_deliver(pel_receiver_t *rx)
     return PEL_RX_EPOCH;
 }
 
+void pel_rx_learn_channel(pel_receiver_t *rx, unsigned slot, int k)
+{
+    if (slot >= 1u && slot < sizeof rx->glo_channel && k >= -7 && k <= 6) { rx->glo_channel[slot] = (uint8_t)(k + 8); }
+}
+
+bool pel_rx_channel(const pel_receiver_t *rx, unsigned slot, int8_t *k)
+{
+    if (slot >= sizeof rx->glo_channel || rx->glo_channel[slot] == 0u) { return false; }
+    *k = (int8_t)(rx->glo_channel[slot] - 8);
+    return true;
+}
+
 bool pel_obs_plausible(const pel_obs_t *o)
 {
     const bool code_ok = o->P_m >= 1e6 && o->P_m <= 1e8; /* false for NaN */

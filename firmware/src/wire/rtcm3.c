@@ -111,7 +111,7 @@ static bool is_msm(unsigned number)
 static bool msm_used(unsigned number)
 {
     const unsigned tens = number / 10u;
-    return number % 10u >= 4u && (tens == 107u || (tens >= 109u && tens <= 112u));
+    return number % 10u >= 4u && tens >= 107u && tens <= 112u;
 }
 
 pel_rx_event_t pel_rtcm3_handle(pel_receiver_t *rx, const uint8_t *frame, size_t n, bool *hold)
@@ -125,13 +125,15 @@ pel_rx_event_t pel_rtcm3_handle(pel_receiver_t *rx, const uint8_t *frame, size_t
         event = pel_rtcm3_msm(rx, message, n_message, hold);
     } else if (number == 1004u) {
         event = pel_rtcm3_1004(rx, message, n_message, hold);
+    } else if (number == 1012u) {
+        event = pel_rtcm3_1012(rx, message, n_message, hold);
     } else if (number == 1005u || number == 1006u) {
         event = station(rx, message, n_message);
-    } else if (number == 1019u || number == 1042u || (number >= 1044u && number <= 1046u)) {
+    } else if (number == 1019u || number == 1020u || number == 1042u || (number >= 1044u && number <= 1046u)) {
         event = pel_rtcm3_ephemeris(rx, message, n_message);
     } else if (is_msm(number) || (number >= 1001u && number <= 1003u)) {
         return skip_observations(rx, message, n_message, 12 + 12 + 30);
-    } else if (number >= 1009u && number <= 1012u) {
+    } else if (number >= 1009u && number <= 1011u) {
         return skip_observations(rx, message, n_message, 12 + 12 + 27); /* GLONASS time has 27 bits */
     } else {
         rx->counters.unknown++;

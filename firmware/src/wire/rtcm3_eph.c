@@ -1,6 +1,6 @@
 #include "navmsg.h"
 
-/* RTCM 10403: 1019 GPS, 1042 BeiDou, 1044 QZSS, 1045 Galileo F/NAV, 1046 Galileo I/NAV. */
+/* RTCM 10403: 1019 GPS, 1020 GLONASS, 1042 BeiDou, 1044 QZSS, 1045 Galileo F/NAV, 1046 Galileo I/NAV. */
 
 static void fields_1019(pel_bitio_t *io, pel_ephemeris_t *e, pel_nav_raw_t *raw)
 {
@@ -170,6 +170,32 @@ static uint8_t system_of(uint32_t number)
     }
 }
 
+static pel_rx_event_t glonass(pel_receiver_t *rx, const uint8_t *message, size_t n)
+{
+    pel_ephemeris_t eph = {0};
+    pel_glo_raw_t raw = {0};
+    pel_bitio_t io;
+
+    pel_bitio_read(&io, message, n);
+    pel_io_fill(&io, 12, 0);
+    pel_glo_1020_fields(&io, &eph, &raw);
+    if (pel_bitio_failed(&io)) {
+        rx->counters.bad_length++;
+        return PEL_RX_NONE;
+    }
+    if (rx->t_approx_ns == 0) {
+        rx->counters.unknown++; /* nothing tells the date yet */
+        return PEL_RX_NONE;
+    }
+    if (!pel_glo_from_raw(&eph, &raw, rx->t_approx_ns)) {
+        rx->counters.bad_value++;
+        return PEL_RX_NONE;
+    }
+    pel_rx_learn_channel(rx, eph.prn, eph.glo.k);
+    rx->ephemeris = eph;
+    return PEL_RX_EPHEMERIS;
+}
+
 pel_rx_event_t pel_rtcm3_ephemeris(pel_receiver_t *rx, const uint8_t *message, size_t n)
 {
     const uint32_t number = (uint32_t)pel_bits_u(message, 0, 12);
@@ -177,6 +203,7 @@ pel_rx_event_t pel_rtcm3_ephemeris(pel_receiver_t *rx, const uint8_t *message, s
     pel_nav_raw_t raw = {0};
     pel_bitio_t io;
 
+    if (number == 1020u) { return glonass(rx, message, n); }
     pel_bitio_read(&io, message, n);
     fields(&io, number, &eph, &raw);
     eph.sys = system_of(number);
@@ -194,6 +221,18 @@ pel_rx_event_t pel_rtcm3_ephemeris(pel_receiver_t *rx, const uint8_t *message, s
     return PEL_RX_EPHEMERIS;
 }
 
+static size_t encode_glonass(const pel_ephemeris_t *eph, uint8_t *out, size_t cap)
+{
+    pel_ephemeris_t e = *eph;
+    pel_glo_raw_t raw;
+    pel_bitio_t io;
+    if (cap < 70u || !pel_glo_to_raw(eph, eph->toe_ns, &raw)) { return 0; }
+    pel_bitio_write(&io, out + 3, cap - 6u);
+    pel_io_fill(&io, 12, 1020);
+    pel_glo_1020_fields(&io, &e, &raw);
+    return pel_bitio_failed(&io) ? 0u : pel_rtcm3_seal(io.w.pos, out, cap);
+}
+
 size_t pel_rtcm3_encode_ephemeris(const pel_ephemeris_t *eph, uint8_t *out, size_t cap)
 {
     pel_ephemeris_t e = *eph; /* the layouts serve both directions and take it writable */
@@ -203,6 +242,7 @@ size_t pel_rtcm3_encode_ephemeris(const pel_ephemeris_t *eph, uint8_t *out, size
 
     switch (eph->sys) {
     case PEL_SYS_GPS: number = 1019; break;
+    case PEL_SYS_GLO: return encode_glonass(eph, out, cap);
     case PEL_SYS_BDS: number = 1042; break;
     case PEL_SYS_QZS: number = 1044; break;
     case PEL_SYS_GAL: number = (eph->source == 1u) ? 1045 : 1046; break;

@@ -1,6 +1,8 @@
 #include "msm.h"
+#include "navmsg.h"
 
 #define MAX_CELLS       64
+#define GLO_MS_MASK     0x7FFFFFFu
 #define ROUGH_RATE_NONE (-8192)
 #define FINE_RATE_NONE  (-16384)
 
@@ -20,6 +22,7 @@ static pel_sys_t system_of(unsigned number)
 {
     switch (number / 10u) {
     case 107: return PEL_SYS_GPS;
+    case 108: return PEL_SYS_GLO;
     case 109: return PEL_SYS_GAL;
     case 110: return PEL_SYS_SBS; /* satellite 1 is PRN 120 there and here */
     case 111: return PEL_SYS_QZS;
@@ -75,6 +78,20 @@ static bool rough(const pel_bit_reader_t *r, const msm_header_t *h, int sat, dou
     return whole != 255u;
 }
 
+/* Extended information of a GLONASS satellite is its frequency channel; MSM4 and MSM6 have none. Without the channel
+ * there is no wavelength, and no pairing with another receiver: such satellites are left out. */
+static bool channel_of(pel_receiver_t *rx, const pel_bit_reader_t *r, const msm_header_t *h, int sat, int8_t *k)
+{
+    const unsigned slot = h->sat[sat];
+    *k = 0;
+    if (h->sys != PEL_SYS_GLO) { return true; }
+    if (h->kind->has_rate) {
+        const size_t at = h->body + 8u * (size_t)h->n_sat + 4u * (size_t)sat;
+        pel_rx_learn_channel(rx, slot, (int)pel_bits_u(r->p, at, 4) - 7);
+    }
+    return pel_rx_channel(rx, slot, k);
+}
+
 /* Fields of one kind are stored one after the other for all cells: field f of cell c. */
 static void decode_cell(const pel_bit_reader_t *r, const msm_header_t *h, int cell, double range_ms, int32_t rate,
                         pel_obs_t *o)
@@ -82,7 +99,7 @@ static void decode_cell(const pel_bit_reader_t *r, const msm_header_t *h, int ce
     const pel_msm_kind_t *const k = h->kind;
     const size_t n = (size_t)h->n_cell;
     const size_t c = (size_t)cell;
-    const double lambda = PEL_SPEED_OF_LIGHT / pel_carrier_hz(h->sys, (pel_carrier_t)o->carrier, 0);
+    const double lambda = PEL_SPEED_OF_LIGHT / pel_carrier_hz(h->sys, (pel_carrier_t)o->carrier, o->glo_k);
     size_t at = h->body + (k->has_rate ? 36u : 18u) * (size_t)h->n_sat;
 
     const int64_t code = pel_bits_s(r->p, at + k->code_bits * c, k->code_bits);
@@ -123,6 +140,8 @@ static void decode_cells(pel_receiver_t *rx, const pel_bit_reader_t *r, const ms
         int32_t rate;
         if (!pel_msm_signal(h->sys, h->sig[i % h->n_sig], &o.carrier, &o.code)) {
             rx->counters.bad_value++;
+        } else if (!channel_of(rx, r, h, i / h->n_sig, &o.glo_k)) {
+            rx->counters.unknown++;
         } else if (rough(r, h, i / h->n_sig, &range_ms, &rate)) {
             decode_cell(r, h, cell, range_ms, rate, &o);
             if ((o.flags & (PEL_OBS_CODE | PEL_OBS_PHASE)) != 0u) { pel_rx_add(rx, &o); }
@@ -131,10 +150,20 @@ static void decode_cells(pel_receiver_t *rx, const pel_bit_reader_t *r, const ms
     }
 }
 
+/* GLONASS messages carry Moscow time: day of the week (3 bits) and ms of the day, which may have a leap second. */
+static bool time_possible(pel_sys_t sys, uint32_t epoch_ms)
+{
+    return (sys == PEL_SYS_GLO) ? (epoch_ms & GLO_MS_MASK) <= 86400999u : epoch_ms < 604800000u;
+}
+
 /* BeiDou messages carry BeiDou time, 14 s behind GPS time. Some senders put GPS time there: then it is that of the epoch
  * whose other messages are just coming in. */
 static pel_time_t time_of(const pel_receiver_t *rx, pel_sys_t sys, uint32_t epoch_ms)
 {
+    if (sys == PEL_SYS_GLO) {
+        const pel_time_t near = rx->collecting ? rx->epoch.t_ns : rx->t_approx_ns;
+        return pel_glo_epoch_near(epoch_ms >> 27, epoch_ms & GLO_MS_MASK, near);
+    }
     const pel_time_t t = pel_tow_ms_near(epoch_ms, rx->t_approx_ns);
     if (sys != PEL_SYS_BDS) { return t; }
     if (rx->collecting && t == rx->epoch.t_ns) { return t; }
@@ -153,7 +182,7 @@ pel_rx_event_t pel_rtcm3_msm(pel_receiver_t *rx, const uint8_t *message, size_t 
         rx->counters.bad_length++;
         return PEL_RX_NONE;
     }
-    if (epoch_ms >= 604800000u) {
+    if (!time_possible(h.sys, epoch_ms)) {
         rx->counters.bad_value++;
         return PEL_RX_NONE;
     }
@@ -164,6 +193,7 @@ pel_rx_event_t pel_rtcm3_msm(pel_receiver_t *rx, const uint8_t *message, size_t 
     h.t_ns = time_of(rx, h.sys, epoch_ms);
     if (!pel_rx_collect(rx, h.t_ns, hold, &event)) { return event; }
     if (h.sys == PEL_SYS_GPS) { rx->t_gps_msm_ns = h.t_ns; }
+    if (h.sys == PEL_SYS_GLO) { rx->t_glo_msm_ns = h.t_ns; }
     decode_cells(rx, &r, &h);
     return h.more ? PEL_RX_NONE : pel_rx_deliver(rx);
 }

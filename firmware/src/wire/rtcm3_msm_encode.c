@@ -1,4 +1,5 @@
 #include "msm.h"
+#include "navmsg.h"
 
 #define MAX_CELLS 64
 /* A phase may differ from its code by any number of cycles, the message holds +-1171 m: whole multiples of this many cycles
@@ -123,25 +124,33 @@ static void make_cell(const pel_msm_kind_t *k, const pel_obs_t *o, int32_t rough
     c->cn0 = (cn0 < cn0_max) ? cn0 : cn0_max;
 }
 
+/* Day of the week and ms of the day, of Moscow. */
+static uint64_t glonass_epoch(pel_time_t t)
+{
+    const int64_t ms = (pel_moscow_from_gps(t) + PEL_NS_PER_MS / 2) % PEL_NS_PER_WEEK / PEL_NS_PER_MS;
+    return ((uint64_t)(ms / 86400000) << 27) | (uint64_t)(ms % 86400000);
+}
+
 static void write_header(pel_bit_writer_t *w, const pel_epoch_t *e, pel_sys_t sys, int msm, uint16_t station, bool more,
                          const msm_masks_t *m)
 {
-    static const uint16_t NUMBER[PEL_N_SYS] = {1070, 0, 1090, 1120, 1110, 1100};
+    static const uint16_t NUMBER[PEL_N_SYS] = {1070, 1080, 1090, 1120, 1110, 1100};
     const pel_time_t offset = (sys == PEL_SYS_BDS) ? 14 * PEL_NS_PER_S : 0;
     const int64_t ms = (e->t_ns - offset + PEL_NS_PER_MS / 2) % PEL_NS_PER_WEEK / PEL_NS_PER_MS;
     pel_write_u(w, 12, (uint64_t)NUMBER[sys] + (uint64_t)msm);
     pel_write_u(w, 12, station);
-    pel_write_u(w, 30, (uint64_t)ms);
+    pel_write_u(w, 30, (sys == PEL_SYS_GLO) ? glonass_epoch(e->t_ns) : (uint64_t)ms);
     pel_write_u(w, 1, more ? 1u : 0u);
     pel_write_u(w, 3 + 7 + 2 + 2 + 1 + 3, 0);
     pel_write_u(w, 64, m->sat_mask);
     pel_write_u(w, 32, m->sig_mask);
 }
 
-static void write_sats(pel_bit_writer_t *w, bool has_rate, const int32_t *range, const int32_t *rate, int n)
+static void write_sats(pel_bit_writer_t *w, bool has_rate, const int32_t *range, const int32_t *rate,
+                       const uint8_t *info, int n)
 {
     for (int i = 0; i < n; i++) { pel_write_u(w, 8, (uint64_t)(range[i] >> 10)); }
-    for (int i = 0; has_rate && i < n; i++) { pel_write_u(w, 4, 0); }
+    for (int i = 0; has_rate && i < n; i++) { pel_write_u(w, 4, info[i]); }
     for (int i = 0; i < n; i++) { pel_write_u(w, 10, (uint64_t)range[i] & 1023u); }
     for (int i = 0; has_rate && i < n; i++) { pel_write_s(w, 14, rate[i]); }
 }
@@ -164,12 +173,13 @@ size_t pel_rtcm3_encode_msm(const pel_epoch_t *e, pel_sys_t sys, int msm, uint16
     msm_cell_t cell[MAX_CELLS];
     int32_t range[64];
     int32_t rate[64];
+    uint8_t info[64] = {0}; /* frequency channel of GLONASS */
     pel_bit_writer_t w;
     int n_sat = 0;
     int n_cell = 0;
 
     if (k == NULL || cap < 32u || e->n > PEL_MAX_OBS || e->t_ns < 14 * PEL_NS_PER_S || station > 4095u) { return 0; }
-    if ((unsigned)sys >= PEL_N_SYS || sys == PEL_SYS_GLO) { return 0; }
+    if ((unsigned)sys >= PEL_N_SYS) { return 0; }
     make_masks(e, sys, &m);
     pel_bit_writer_init(&w, out + 3, ((cap < 1029u) ? cap : 1029u) - 6u);
     write_header(&w, e, sys, msm, station, more, &m);
@@ -181,12 +191,13 @@ size_t pel_rtcm3_encode_msm(const pel_epoch_t *e, pel_sys_t sys, int msm, uint16
             const pel_obs_t *const o = find(e, sys, prn, id);
             pel_write_u(&w, 1, (o != NULL) ? 1u : 0u);
             if (o == NULL) { continue; }
+            if (sys == PEL_SYS_GLO) { info[n_sat] = (uint8_t)(o->glo_k + 7); }
             make_cell(k, o, range[n_sat], rate[n_sat], &cell[n_cell]);
             n_cell++;
         }
         n_sat++;
     }
-    write_sats(&w, k->has_rate, range, rate, n_sat);
+    write_sats(&w, k->has_rate, range, rate, info, n_sat);
     write_cells(&w, k, cell, n_cell);
     return (w.overrun || w.out_of_range) ? 0u : pel_rtcm3_seal(w.pos, out, cap);
 }

@@ -8,10 +8,11 @@
 #define LNAV_PREAMBLE 0x8Bu
 #define BDS_PREAMBLE  0x712u
 #define PAGE_18       0x78u /* data identification 1, satellite identification 56 */
+#define SLOT_UNKNOWN  255u  /* GLONASS satellite whose number the receiver does not know yet */
 #define SLOT_IDLE                                                                                                      \
     1000u /* frames of other satellites after which a slot may be taken: more than a minute of 45 satellites */
 
-typedef enum { NAV_NONE, NAV_LNAV, NAV_INAV, NAV_D1, NAV_D2 } nav_type_t;
+typedef enum { NAV_NONE, NAV_LNAV, NAV_INAV, NAV_D1, NAV_D2, NAV_GLO } nav_type_t;
 
 static bool bds_is_geo(int prn)
 {
@@ -30,7 +31,8 @@ static nav_type_t classify(uint8_t gnss_id, uint8_t sig_id, uint8_t sv, bool tol
         if (sig_id == 0 || sig_id == 2 || sig_id == 4) { return NAV_D1; }
         return (sig_id == 1 || sig_id == 3 || sig_id == 10) ? NAV_D2 : NAV_NONE;
     case 5: *sys = PEL_SYS_QZS; return (!told || sig_id == 0) ? NAV_LNAV : NAV_NONE;
-    default: *sys = PEL_SYS_GLO; return NAV_NONE;
+    case 6: *sys = PEL_SYS_GLO; return (!told || sig_id == 0 || sig_id == 2) ? NAV_GLO : NAV_NONE;
+    default: *sys = PEL_SYS_SBS; return NAV_NONE;
     }
 }
 
@@ -283,6 +285,57 @@ static pel_rx_event_t bds(pel_receiver_t *rx, nav_type_t type, uint8_t prn, cons
     return (type == NAV_D1) ? bds_d1(rx, prn, part, &head) : bds_d2(rx, prn, part, &head);
 }
 
+/* ---- GLONASS ---------------------------------------------------------------------------------------------------------------- */
+
+static pel_rx_event_t glonass_complete(pel_receiver_t *rx, pel_nav_slot_t *s, uint8_t channel)
+{
+    pel_ephemeris_t eph = {0};
+    pel_glo_raw_t raw = {0};
+    for (int i = 1; i <= 4; i++) {
+        pel_bitio_t io;
+        pel_bitio_read(&io, s->data + PEL_GLO_BYTES * (i - 1), PEL_GLO_BYTES);
+        pel_glo_string_fields(&io, i, &eph, &raw);
+    }
+    const bool same_slot = raw.slot == s->prn || raw.slot == 0u; /* early satellites do not tell it */
+    raw.slot = s->prn;
+    eph.glo.k = (int8_t)((channel <= 13u) ? (int)channel - 7 : 127);
+    s->prn = 0;
+    s->have = 0;
+    if (!same_slot || !pel_glo_from_raw(&eph, &raw, rx->t_approx_ns)) {
+        rx->counters.bad_value++;
+        return PEL_RX_NONE;
+    }
+    rx->ephemeris = eph;
+    return PEL_RX_EPHEMERIS;
+}
+
+/* Four words: a string of 85 bits, then the numbers of superframe and frame, which tell strings that belong together. */
+static pel_rx_event_t glonass(pel_receiver_t *rx, uint8_t prn, uint8_t channel, const uint8_t *words, unsigned n_words)
+{
+    uint8_t string[12];
+    if (n_words != 4u) {
+        rx->counters.bad_length++;
+        return PEL_RX_NONE;
+    }
+    for (unsigned i = 0; i < 3u; i++) { pel_bits_put(string, 32u * i, 32, pel_le_u(words + 4u * i, 4)); }
+    const unsigned number = (unsigned)pel_bits_u(string, 1, 4);
+    if (!pel_glo_string_good(string)) {
+        rx->counters.bad_value++;
+        return PEL_RX_NONE;
+    }
+    if (number < 1u || number > 4u || rx->t_approx_ns == 0) { return PEL_RX_NONE; } /* almanac; or no date known yet */
+    pel_nav_slot_t *const s = slot_for(rx, PEL_SYS_GLO, prn);
+    if (s == NULL) { return PEL_RX_NONE; }
+    const uint32_t frame = (uint32_t)pel_le_u(words + 12, 4);
+    if (s->have == 0u || s->start_s != frame) {
+        s->have = 0;
+        s->start_s = frame;
+    }
+    memcpy(s->data + PEL_GLO_BYTES * (number - 1u), string, PEL_GLO_BYTES);
+    s->have |= (uint16_t)(1u << number);
+    return (s->have == 0x1Eu) ? glonass_complete(rx, s, channel) : PEL_RX_NONE;
+}
+
 pel_rx_event_t pel_ubx_sfrbx(pel_receiver_t *rx, const uint8_t *m, size_t n)
 {
     const unsigned n_words = m[4];
@@ -296,6 +349,7 @@ pel_rx_event_t pel_ubx_sfrbx(pel_receiver_t *rx, const uint8_t *m, size_t n)
         rx->counters.unknown++;
         return PEL_RX_NONE;
     }
+    if (type == NAV_GLO && m[1] == SLOT_UNKNOWN) { return PEL_RX_NONE; }
     if (m[1] < 1u || m[1] > pel_sys_max_prn((pel_sys_t)sys)) {
         rx->counters.bad_value++;
         return PEL_RX_NONE;
@@ -304,6 +358,7 @@ pel_rx_event_t pel_ubx_sfrbx(pel_receiver_t *rx, const uint8_t *m, size_t n)
     switch (type) {
     case NAV_LNAV: return lnav(rx, sys, m[1], m + 8, n_words);
     case NAV_INAV: return inav(rx, m[1], m + 8, n_words);
+    case NAV_GLO: return glonass(rx, m[1], m[3], m + 8, n_words);
     case NAV_D1:
     case NAV_D2: return bds(rx, type, m[1], m + 8, n_words);
     case NAV_NONE: break;

@@ -16,18 +16,20 @@ int pel_ubx_sfrbx_parts(const pel_ephemeris_t *eph)
     case PEL_SYS_GPS:
     case PEL_SYS_QZS: return 3;
     case PEL_SYS_GAL: return 5;
+    case PEL_SYS_GLO: return 4;
     case PEL_SYS_BDS: return bds_is_geo(eph->prn) ? 10 : 3;
     default: return 0;
     }
 }
 
-static size_t seal(uint8_t gnss_id, uint8_t prn, uint8_t sig_id, uint8_t n_words, uint8_t *out, size_t cap)
+static size_t seal(uint8_t gnss_id, uint8_t prn, uint8_t sig_id, uint8_t channel, uint8_t n_words, uint8_t *out,
+                   size_t cap)
 {
     uint8_t *const m = out + 6;
     m[0] = gnss_id;
     m[1] = prn;
     m[2] = sig_id;
-    m[3] = 0;
+    m[3] = channel;
     m[4] = n_words;
     m[5] = 0;
     m[6] = 2; /* version */
@@ -85,6 +87,24 @@ static pel_time_t part_time(const pel_ephemeris_t *eph, int part, pel_time_t t)
     return t + step_s * (part - 1) * PEL_NS_PER_S;
 }
 
+/* The frame's number is the half minute of Moscow's day, five to a superframe. */
+static size_t glonass(const pel_ephemeris_t *eph, int part, pel_time_t t, uint8_t *out, size_t cap)
+{
+    pel_ephemeris_t e = *eph;
+    pel_glo_raw_t raw;
+    pel_bitio_t io;
+    uint8_t string[12];
+    if (!pel_glo_to_raw(eph, t, &raw)) { return 0; }
+    const uint32_t frame = raw.t_k / 30u;
+    pel_bitio_write(&io, string, sizeof string);
+    pel_glo_string_fields(&io, part, &e, &raw);
+    if (pel_bitio_failed(&io)) { return 0; }
+    pel_glo_string_seal(string);
+    for (unsigned i = 0; i < 3u; i++) { pel_le_put(out + 6 + 8 + 4u * i, 4, pel_bits_u(string, 32u * i, 32)); }
+    pel_le_put(out + 6 + 8 + 12, 4, (uint64_t)(frame / 5u + 1u) << 16 | (frame % 5u + 1u));
+    return seal(6, eph->prn, 0, (uint8_t)(eph->glo.k + 7), 4, out, cap);
+}
+
 size_t pel_ubx_encode_sfrbx_eph(const pel_ephemeris_t *eph, int part, pel_time_t t, uint8_t *out, size_t cap)
 {
     pel_ephemeris_t e = *eph; /* the layouts serve both directions and take it writable */
@@ -93,6 +113,7 @@ size_t pel_ubx_encode_sfrbx_eph(const pel_ephemeris_t *eph, int part, pel_time_t
     uint8_t buf[PEL_D1_BYTES];
 
     if (cap < 8u + 8u + 40u || part < 1 || part > pel_ubx_sfrbx_parts(eph)) { return 0; }
+    if (eph->sys == PEL_SYS_GLO) { return glonass(eph, part, t, out, cap); }
     if (!pel_eph_to_raw(eph, part_time(eph, part, t), &raw)) { return 0; }
     uint8_t *const words = out + 6 + 8;
     switch (eph->sys) {
@@ -101,7 +122,7 @@ size_t pel_ubx_encode_sfrbx_eph(const pel_ephemeris_t *eph, int part, pel_time_t
         pel_inav_fields(&io, part, &e, &raw);
         if (pel_bitio_failed(&io)) { return 0; }
         inav_words(buf, words);
-        return seal(2, eph->prn, 1, 8, out, cap);
+        return seal(2, eph->prn, 1, 0, 8, out, cap);
     case PEL_SYS_BDS:
         if (bds_is_geo(eph->prn)) {
             if (!d2_part(&e, &raw, part, buf)) { return 0; }
@@ -111,13 +132,13 @@ size_t pel_ubx_encode_sfrbx_eph(const pel_ephemeris_t *eph, int part, pel_time_t
             if (pel_bitio_failed(&io)) { return 0; }
         }
         bds_words(buf, words);
-        return seal(3, eph->prn, bds_is_geo(eph->prn) ? 1 : 0, 10, out, cap);
+        return seal(3, eph->prn, bds_is_geo(eph->prn) ? 1 : 0, 0, 10, out, cap);
     default:
         pel_bitio_write(&io, buf, PEL_LNAV_BYTES);
         pel_lnav_fields(&io, part, &e, &raw);
         if (pel_bitio_failed(&io)) { return 0; }
         lnav_words(buf, words);
-        return seal((eph->sys == PEL_SYS_QZS) ? 5 : 0, eph->prn, 0, 10, out, cap);
+        return seal((eph->sys == PEL_SYS_QZS) ? 5 : 0, eph->prn, 0, 0, 10, out, cap);
     }
 }
 
@@ -134,5 +155,5 @@ size_t pel_ubx_encode_sfrbx_klobuchar(const pel_klobuchar_t *k, int prn, pel_tim
     pel_lnav_klobuchar_fields(&io, &copy, &raw);
     if (pel_bitio_failed(&io)) { return 0; }
     lnav_words(buf, out + 6 + 8);
-    return seal(0, (uint8_t)prn, 0, 10, out, cap);
+    return seal(0, (uint8_t)prn, 0, 0, 10, out, cap);
 }

@@ -218,8 +218,8 @@ static void glonass_is_skipped_but_closes_the_epoch(void)
     TEST_ASSERT_EQUAL_INT(1, support_push(&rx, glonass, 36, PEL_RX_EPOCH));
     TEST_ASSERT_EQUAL_UINT16(8, rx.epoch.n);
 
-    setUp(); /* 1012: its time has 27 bits, so its flag is three bits earlier */
-    pel_bits_put(glonass, 24, 12, 1012);
+    setUp(); /* 1010: its time has 27 bits, so its flag is three bits earlier */
+    pel_bits_put(glonass, 24, 12, 1010);
     pel_bits_put(glonass, 24 + 51, 1, 1);
     pel_bits_put(glonass, 8 * 33, 24, pel_crc24q(0, glonass, 33));
     (void)support_push(&rx, frame, msm_of(T0, PEL_SYS_GPS, true), PEL_RX_EPOCH);
@@ -333,7 +333,7 @@ static void encoders_refuse_what_does_not_fit(void)
     for (size_t cap = 0; cap < m; cap++) {
         TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_1004(&epoch, 1, false, frame, cap));
     }
-    TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_msm(&epoch, PEL_SYS_GLO, 7, 1, false, frame, sizeof frame));
+    TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_msm(&epoch, PEL_N_SYS, 7, 1, false, frame, sizeof frame));
     TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_msm(&epoch, PEL_SYS_GPS, 3, 1, false, frame, sizeof frame));
 }
 

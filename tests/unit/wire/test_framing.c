@@ -138,8 +138,8 @@ static void random_payloads_with_good_checksums_do_no_harm(void)
 {
     for (int round = 0; round < 20000; round++) {
         static const uint8_t KIND[][2] = {{0x02, 0x15}, {0x02, 0x13}, {0x01, 0x07}};
-        static const uint16_t NUMBER[] = {1004, 1005, 1006, 1012, 1019, 1042, 1044, 1045,
-                                          1046, 1074, 1077, 1087, 1095, 1117, 1126, 1127};
+        static const uint16_t NUMBER[] = {1004, 1005, 1006, 1012, 1019, 1020, 1042, 1044, 1045,
+                                          1046, 1074, 1077, 1087, 1095, 1117, 1084, 1127};
         size_t n;
         if (round % 2 == 0) {
             const int k = (int)(support_random() % 3u);
@@ -163,7 +163,7 @@ static void random_payloads_with_good_checksums_do_no_harm(void)
             frame[1] = (uint8_t)(message >> 8);
             frame[2] = (uint8_t)message;
             for (size_t i = 0; i < message; i++) { frame[3 + i] = (uint8_t)(support_random() >> 9); }
-            pel_bits_put(frame, 24, 12, NUMBER[support_random() % 16u]);
+            pel_bits_put(frame, 24, 12, NUMBER[support_random() % 17u]);
             pel_bits_put(frame, 24 + 24, 30, (345600000u + 1000u * (unsigned)round) % 604800000u);
             pel_bits_put(frame, 8 * (message + 3), 24, pel_crc24q(0, frame, message + 3));
             n = message + 6;
