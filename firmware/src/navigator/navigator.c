@@ -133,11 +133,12 @@ static bool allowed(const pel_navigator_t *nav, const pel_obs_t *obs)
            (nav->cfg.carriers & (1u << obs->carrier)) != 0;
 }
 
-/* A base whose line loses messages sends epochs of one system alone: of one that is not used there is nothing to keep. */
+/* A base whose line loses messages gives epochs of one system alone. Of one that is not used there is nothing to keep, and
+ * GLONASS alone, whose integers are not resolved, must not take the place of an older epoch that has the others. */
 static bool any_allowed(const pel_navigator_t *nav, const pel_epoch_t *e)
 {
     for (int i = 0; i < e->n && i < PEL_MAX_OBS; i++) {
-        if (allowed(nav, &e->obs[i])) { return true; }
+        if (e->obs[i].sys != PEL_SYS_GLO && allowed(nav, &e->obs[i])) { return true; }
     }
     return false;
 }
