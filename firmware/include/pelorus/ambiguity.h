@@ -126,6 +126,12 @@ pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq);
 /* Second over best squared norm (0 if there are not two; at most 1e9). */
 double pel_ils_ratio(const pel_ils_t *s);
 
+/* Ratio from which on a wrong vector is accepted with at most this probability, for this n and these variances: 1 for a strong model,
+ * large for a weak one (at most 1e9). 0 if s is empty; failure_max in (0, 1).
+ * Cost about 120 n exponentials. Reference: a bound of our own, docs/INTEGERS.md; Verhagen, Teunissen (2013), GPS Solutions 17, for the
+ * fixed failure rate. */
+double pel_ils_ratio_needed(const pel_ils_t *s, double failure_max);
+
 /* No vector that was not visited has a smaller squared norm than this. Equals the bound of the last candidate once optimal. */
 double pel_ils_lower_bound(const pel_ils_t *s);
 
@@ -255,6 +261,8 @@ typedef struct {
     double prior_sigma; /* the fixed position within this many sigmas of the prior, e.g. 5 */
     double iono_sigmas; /* largest ionosphere believed in the band, in sigmas of var_iono, e.g. 3 */
     int n_min;          /* fewest integers, e.g. 4 */
+    double
+        failure_max; /* 0: not asked for. Else the ratio must also reach pel_ils_ratio_needed() of this, e.g. 0.001 */
 } pel_int_limits_t;
 
 typedef struct {
@@ -262,6 +270,7 @@ typedef struct {
     uint16_t failed;         /* bit 1 << pel_int_reason_t for every test that failed */
     double success;
     double ratio;
+    double ratio_needed;   /* what it was held against */
     double chi2, chi2_max; /* float_sq + best squared norm, degrees of freedom chi2_dof */
     int chi2_dof;
     double band_worst; /* largest |u| / half width of all pairs; 0 if there is no pair */

@@ -104,7 +104,11 @@ pel_status_t pel_int_validate(const pel_amb_problem_t *p, const pel_ils_t *s, co
     v->success = s->success;
     if (!(v->success >= limits->success_min)) { fail(v, PEL_INT_SUCCESS); }
     v->ratio = pel_ils_ratio(s);
-    if (!(v->ratio >= limits->ratio_min)) { fail(v, PEL_INT_RATIO); }
+    v->ratio_needed = limits->ratio_min;
+    if (limits->failure_max > 0.0) {
+        v->ratio_needed = pel_max(v->ratio_needed, pel_ils_ratio_needed(s, limits->failure_max));
+    }
+    if (!(v->ratio >= v->ratio_needed)) { fail(v, PEL_INT_RATIO); }
     v->chi2 = s->float_sq + sq;
     v->chi2_dof = s->float_dof + s->n;
     v->chi2_max = pel_chi2_threshold(v->chi2_dof, limits->chi2_p);
