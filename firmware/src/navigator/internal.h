@@ -2,7 +2,16 @@
 #ifndef PELORUS_NAVIGATOR_INTERNAL_H
 #define PELORUS_NAVIGATOR_INTERNAL_H
 
+#include "pelorus/math.h"
 #include "pelorus/navigator.h"
+
+/* g' P g */
+static inline double pel_nav_along(const double P[3][3], const double g[3])
+{
+    double Pg[3];
+    pel_mat3_vec(P, g, Pg);
+    return pel_dot3(g, Pg);
+}
 
 #define PEL_NAV_BIT(output) (UINT32_C(1) << (unsigned)(output))
 
@@ -65,6 +74,17 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
 
 /* Resolve the integers of nav->sd with the horizon's position as prior. P_a: covariance of the antenna position, m^2. */
 void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
+
+/* ---- rows.c ---- */
+
+/* One report a single difference, still without rows. */
+void pel_nav_start_reports(pel_navigator_t *nav);
+
+/* All rows of nav->sd through screening, whitening and gate into the filter; counts and reports them. */
+void pel_nav_update_rows(pel_navigator_t *nav, pel_nav_update_t *u);
+
+/* Satellites with any row in the last update. */
+int pel_nav_satellites_used(const pel_navigator_t *nav);
 
 /* ---- track.c: ambiguities from epoch to epoch ---- */
 

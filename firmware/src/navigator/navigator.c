@@ -223,10 +223,16 @@ void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k
     nav->orbits.klobuchar = *k;
 }
 
+/* More than this is another station, not another rounding. */
+#define STATION_MOVED_M 0.05
+
 void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
 {
     const double r = pel_norm3(s->r_ea_e);
     if (!(r > 6.3e6 && r < 7.4e6)) { return; } /* a base that does not know its place sends zeros */
+    double move = 0.0;
+    for (int k = 0; k < 3; k++) { move += pel_fabs(s->r_ea_e[k] - nav->station.r_ea_e[k]); }
+    if (nav->have_station && move > STATION_MOVED_M) { pel_nav_track_clear(nav); } /* another base: other integers */
     nav->station = *s;
     nav->have_station = true;
 }

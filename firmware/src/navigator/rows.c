@@ -1,0 +1,214 @@
+/* rows.c - double differences of one epoch become filter updates: screening, whitening, gate, reports. */
+#include <string.h>
+
+#include "internal.h"
+
+#include "pelorus/math.h"
+
+#define GATE_SIGMA PEL_R(6.0) /* last gate on a whitened row; coarse errors are screened before */
+
+typedef pel_nav_update_t update_t;
+typedef enum { CODE = 0, PHASE = 1, RATE = 2 } kind_t;
+
+static bool has_value(const pel_sd_t *sd, kind_t kind)
+{
+    return (kind == CODE) ? sd->has_code : (kind == PHASE) ? sd->has_phase : sd->has_rate;
+}
+
+static double value(const pel_sd_t *sd, kind_t kind)
+{
+    return (kind == CODE) ? sd->code_m : (kind == PHASE) ? sd->phase_m : sd->rate_mps;
+}
+
+static double variance(const pel_sd_t *sd, kind_t kind)
+{
+    return (kind == CODE) ? sd->var_code : (kind == PHASE) ? sd->var_phase : sd->var_rate;
+}
+
+/* Median of n <= PEL_MAX_SATS values; sorts in place. */
+static double median(double *x, int n)
+{
+    for (int i = 1; i < n; i++) {
+        const double v = x[i];
+        int j = i;
+        for (; j > 0 && x[j - 1] > v; j--) { x[j] = x[j - 1]; }
+        x[j] = v;
+    }
+    return (n % 2 != 0) ? x[n / 2] : 0.5 * (x[n / 2 - 1] + x[n / 2]);
+}
+
+/* Phases have their own pivot: one whose N is an integer rather than a state, the group's own if possible. -1: none. */
+static int phase_pivot(const pel_navigator_t *nav, const update_t *u, int first, int last)
+{
+    int pivot = -1;
+    for (int i = first; i < last; i++) {
+        if (!u->phases.known[i]) { continue; }
+        const bool better = pivot < 0 || (u->phases.state[pivot] >= 0 && u->phases.state[i] < 0) ||
+                            (nav->sd.sd[i].pivot && u->phases.state[i] < 0);
+        if (better) { pivot = i; }
+    }
+    return pivot;
+}
+
+/* Coarse errors stand out from the median of their group, whoever the pivot is. Marks what to keep; picks the pivot. -1: none. */
+static int screen(const pel_navigator_t *nav, const update_t *u, int first, int last, kind_t kind,
+                  bool keep[PEL_MAX_OBS])
+{
+    const pel_sd_set_t *set = &nav->sd;
+    double x[PEL_MAX_SATS];
+    int n = 0;
+    for (int i = first; i < last; i++) {
+        keep[i] = has_value(&set->sd[i], kind) && (kind != PHASE || u->phases.known[i]);
+        if (keep[i] && n < PEL_MAX_SATS) { x[n++] = value(&set->sd[i], kind); }
+    }
+    if (n < 2) { return -1; }
+    if (kind == PHASE) { return phase_pivot(nav, u, first, last); } /* judged by the integers' own tests and the gate */
+    const double middle = median(x, n);
+    int pivot = -1;
+    for (int i = first; i < last; i++) {
+        const pel_sd_t *sd = &set->sd[i];
+        if (!keep[i]) { continue; }
+        const double var = variance(sd, kind) + 2.0 * pel_nav_along((kind == RATE) ? u->P_v : u->P_r, sd->u_e);
+        const double off = value(sd, kind) - middle;
+        const bool coarse = n > 2 && off * off > 25.0 * var;
+        keep[i] = !coarse;
+        if (keep[i] && (pivot < 0 || sd->pivot)) { pivot = i; }
+    }
+    return pivot;
+}
+
+static void note_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, double dd, bool used)
+{
+    const pel_sd_t *sd = &nav->sd.sd[i], *p = &nav->sd.sd[pivot];
+    pel_sat_report_t *r = &nav->sats[i];
+    const double g[3] = {p->u_e[0] - sd->u_e[0], p->u_e[1] - sd->u_e[1], p->u_e[2] - sd->u_e[2]};
+    const double var = pel_nav_along((kind == RATE) ? u->P_v : u->P_r, g) + variance(sd, kind) + variance(p, kind);
+    const float innov = (float)-dd;
+    const float s = (float)pel_sqrt(var);
+    nav->sats[pivot].flags |= PEL_SAT_PIVOT;
+    if (kind == CODE) {
+        r->innov_code_m = innov;
+        r->sd_code_m = s;
+        r->flags |= used ? PEL_SAT_CODE_USED : PEL_SAT_EXCLUDED;
+    } else if (kind == PHASE) {
+        r->innov_phase_m = innov;
+        r->sd_phase_m = s;
+        const bool fixed = u->phases.held[i] && u->phases.held[pivot];
+        r->n_fixed = fixed ? (int32_t)(u->phases.N[i] - u->phases.N[pivot]) : 0;
+        r->flags |= (uint8_t)(!used   ? PEL_SAT_EXCLUDED
+                              : fixed ? (PEL_SAT_PHASE_USED | PEL_SAT_FIXED)
+                                      : PEL_SAT_PHASE_USED);
+    } else {
+        r->innov_doppler_mps = innov;
+        r->sd_doppler_mps = s;
+        r->flags |= used ? PEL_SAT_DOPPLER_USED : PEL_SAT_EXCLUDED;
+    }
+}
+
+static void count_row(pel_navigator_t *nav, update_t *u, int i, kind_t kind, bool used)
+{
+    const bool held = kind == PHASE && u->phases.held[i];
+    if (used) {
+        nav->counters.rows_used++;
+        u->used++;
+        u->code_used += (kind == CODE);
+        u->held_used += held;
+    } else {
+        nav->counters.rows_gated++;
+        u->code_refused += (kind == CODE);
+        u->held_refused += held;
+        u->misfit[i] = kind == PHASE;
+    }
+}
+
+/* The double difference of satellite i against the pivot as a row; phases carry their N, integer or state. */
+static double make_row(const pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, pel_row_t *row)
+{
+    const pel_sd_t *sd = &nav->sd.sd[i], *p = &nav->sd.sd[pivot];
+    double dd = value(sd, kind) - value(p, kind);
+    if (kind == PHASE) { dd -= sd->lambda_m * (u->phases.N[i] - u->phases.N[pivot]); }
+    if (kind == RATE) {
+        pel_observe_rate(&u->ant, sd, p, dd, row);
+        return dd;
+    }
+    pel_observe_range(&u->ant, sd, p, dd, row);
+    if (kind == PHASE && u->phases.state[i] >= 0) { row->h[u->phases.state[i]] = (pel_real)sd->lambda_m; }
+    if (kind == PHASE && u->phases.state[pivot] >= 0) { row->h[u->phases.state[pivot]] = (pel_real)-sd->lambda_m; }
+    return dd;
+}
+
+/* One kind of measurement of one group: double differences against the pivot, whitened, into the filter. */
+static void update_group(pel_navigator_t *nav, update_t *u, int first, int last, kind_t kind)
+{
+    bool keep[PEL_MAX_OBS];
+    const int pivot = screen(nav, u, first, last, kind, keep);
+    pel_whiten_t w;
+    pel_row_t row;
+    if (pivot < 0) { return; }
+    if (pel_whiten_begin(&w, nav->model.n, (pel_real)variance(&nav->sd.sd[pivot], kind)) != PEL_OK) { return; }
+    for (int i = first; i < last; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        if (i == pivot || !has_value(sd, kind) || (kind == PHASE && !u->phases.known[i])) { continue; }
+        const double dd = make_row(nav, u, i, pivot, kind, &row);
+        const pel_real r_i = (pel_real)variance(sd, kind);
+        pel_real nis = 0;
+        const bool used = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK &&
+                          pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
+        if (used) {
+            pel_whiten_accept(&w, r_i, row.z, row.h);
+            nav->epoch_solution.nis += (float)nis;
+            nav->epoch_solution.nis_dof++;
+        }
+        note_row(nav, u, i, pivot, kind, dd, used);
+        count_row(nav, u, i, kind, used);
+    }
+}
+
+void pel_nav_update_rows(pel_navigator_t *nav, update_t *u)
+{
+    const pel_sd_set_t *set = &nav->sd;
+    nav->epoch_solution.nis = 0.0f;
+    nav->epoch_solution.nis_dof = 0;
+    for (int first = 0; first < set->n;) {
+        int last = first + 1;
+        while (last < set->n && set->sd[last].group == set->sd[first].group) { last++; }
+        update_group(nav, u, first, last, PHASE);
+        update_group(nav, u, first, last, CODE);
+        update_group(nav, u, first, last, RATE);
+        first = last;
+    }
+}
+
+void pel_nav_start_reports(pel_navigator_t *nav)
+{
+    nav->n_sats = nav->sd.n;
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        pel_sat_report_t *r = &nav->sats[i];
+        memset(r, 0, sizeof *r);
+        r->sys = sd->sys;
+        r->prn = sd->prn;
+        r->carrier = sd->carrier;
+        r->el_rad = sd->el_rad;
+        r->cn0_dbhz = sd->cn0_dbhz;
+        r->flags = (uint8_t)(sd->slip ? PEL_SAT_SLIP : 0u);
+        const pel_sight_t *s = pel_view_find(&nav->view_rover, sd->sys, sd->prn);
+        if (s != NULL) { r->az_rad = s->az_rad; }
+    }
+}
+
+int pel_nav_satellites_used(const pel_navigator_t *nav)
+{
+    int n = 0;
+    for (int i = 0; i < nav->n_sats; i++) {
+        const pel_sat_report_t *r = &nav->sats[i];
+        const uint8_t any = PEL_SAT_CODE_USED | PEL_SAT_PHASE_USED | PEL_SAT_DOPPLER_USED | PEL_SAT_PIVOT;
+        bool first = (r->flags & any) != 0;
+        for (int j = 0; j < i && first; j++) {
+            const pel_sat_report_t *other = &nav->sats[j];
+            first = !(other->sys == r->sys && other->prn == r->prn && (other->flags & any) != 0);
+        }
+        n += first ? 1 : 0;
+    }
+    return n;
+}
