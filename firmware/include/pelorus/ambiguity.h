@@ -29,6 +29,16 @@ extern "C" {
 
 typedef enum { PEL_ILS_EMPTY = 0, PEL_ILS_SEARCHING, PEL_ILS_OPTIMAL, PEL_ILS_BUDGET } pel_ils_stage_t;
 
+/* How a problem is searched. All three walk the same tree; the last two are kept for comparison (S1 5.6). */
+typedef enum {
+    PEL_ILS_LAMBDA = 0, /* decorrelated; bound: the worst of the best (Teunissen 1995) */
+    PEL_ILS_CHOLESKY,   /* not decorrelated; the same bound */
+    PEL_ILS_FASF /* not decorrelated; every integer within four conditional standard deviations (Chen, Lachapelle 1995) */
+} pel_ils_method_t;
+
+/* FASF defers a problem with more vectors than this in its box. */
+#define PEL_ILS_FASF_VECTORS 1024
+
 /* One step of the decorrelation: ambiguity k less m 2^(8 shift) times ambiguity j; or, with j = k, ambiguity k less m
  * times k-1 and these two exchanged. */
 typedef struct {
@@ -60,6 +70,8 @@ typedef struct {
     int32_t budget;
     int16_t level;
     int16_t n_steps;
+    int16_t n_vectors;               /* met by FASF */
+    uint8_t method;                  /* pel_ils_method_t */
     uint8_t order[PEL_MAX_AMB];      /* the ambiguity that pivoting put at each place */
     double LD[PEL_TRI(PEL_MAX_AMB)]; /* covariance, then Q_z = L D L': unit L with D on its diagonal */
     union {
@@ -95,6 +107,11 @@ _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at 
  * Reference: Teunissen (1995), J. Geodesy 70; Chang, Yang, Zhou (2005), J. Geodesy 79 (pivoting); Xie, Chang, Al Borno (2011), Partial
  * LLL reduction. */
 pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget);
+
+/* The same by another method. With PEL_ILS_FASF the answer holds within its box: fewer than n_best vectors may be found, and
+ * pel_ils_run() returns PEL_W_BUDGET for more than PEL_ILS_FASF_VECTORS. */
+pel_status_t pel_ils_init_as(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
+                             int32_t budget);
 
 /* Room in the engine where a caller short of stack may write Q and a before it gives them to pel_ils_init(). */
 static inline double *pel_ils_room_for_Q(pel_ils_t *s)

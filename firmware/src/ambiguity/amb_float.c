@@ -232,7 +232,7 @@ pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best,
     int n_code = 0;
     const double sq = use_codes(p, &e, &n_code);
     form_ambiguities(p, &e, s);
-    status = pel_ils_start(s, pel_amb_count(p), n_best, budget);
+    status = pel_ils_start(s, PEL_ILS_LAMBDA, pel_amb_count(p), n_best, budget);
     if (status != PEL_OK) { return status; }
     s->float_sq = sq;
     s->float_dof = p->have_prior ? n_code : n_code - 3;

@@ -37,10 +37,10 @@ static inline double dot(const double *a, const double *b, int n)
 }
 
 /* Begin with the covariance in s->LD and the float ambiguities in s->zhat (both filled by the caller). */
-pel_status_t pel_ils_start(pel_ils_t *s, int n, int n_best, int32_t budget);
+pel_status_t pel_ils_start(pel_ils_t *s, pel_ils_method_t method, int n, int n_best, int32_t budget);
 
-/* Q in s->LD = L D L' in place, rows permuted (with zhat and order) so that each pivot is the smallest left. */
-pel_status_t pel_ils_factor(pel_ils_t *s);
+/* Q in s->LD = L D L' in place, rows permuted (with zhat and order) so that each pivot is the smallest left, if `pivoting`. */
+pel_status_t pel_ils_factor(pel_ils_t *s, bool pivoting);
 
 /* Unimodular transform in place on L, D and zhat, noted step by step. */
 void pel_ils_decorrelate(pel_ils_t *s);

@@ -52,7 +52,7 @@ static void measure_strength(pel_ils_t *s)
     s->adop_cyc = pel_exp(0.5 * (log_sum + pel_log(product)) / s->n);
 }
 
-pel_status_t pel_ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
+pel_status_t pel_ils_start(pel_ils_t *s, pel_ils_method_t method, int n, int n_best, int32_t budget)
 {
     s->n = 0;
     s->stage = PEL_ILS_EMPTY;
@@ -70,10 +70,13 @@ pel_status_t pel_ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
     s->float_sq = 0.0;
     s->float_dof = 0;
     s->n_steps = 0;
+    s->n_vectors = 0;
+    s->method = (uint8_t)method;
+    s->decorrelated = false;
 
-    status = pel_ils_factor(s);
+    status = pel_ils_factor(s, method == PEL_ILS_LAMBDA);
     if (status == PEL_OK) {
-        pel_ils_decorrelate(s);
+        if (method == PEL_ILS_LAMBDA) { pel_ils_decorrelate(s); }
         measure_strength(s);
         status = pel_ils_first_node(s);
     }
@@ -86,12 +89,18 @@ pel_status_t pel_ils_start(pel_ils_t *s, int n, int n_best, int32_t budget)
 
 pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget)
 {
+    return pel_ils_init_as(s, PEL_ILS_LAMBDA, n, a, Q, n_best, budget);
+}
+
+pel_status_t pel_ils_init_as(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
+                             int32_t budget)
+{
     s->n = 0;
     s->stage = PEL_ILS_EMPTY;
     if (n < 1 || n > PEL_MAX_AMB) { return PEL_E_RANGE; }
     memmove(s->LD, Q, (size_t)PEL_TRI(n) * sizeof Q[0]); /* the caller may have written them in place */
     memmove(s->zhat, a, (size_t)n * sizeof a[0]);
-    return pel_ils_start(s, n, n_best, budget);
+    return pel_ils_start(s, method, n, n_best, budget);
 }
 
 /* Integers of the float ambiguities behind decorrelated ones: the steps undone, last first. Arithmetic modulo 2^64, which is exact for

@@ -37,7 +37,7 @@ static void exchange(pel_ils_t *s, int k, int p)
     s->order[p] = t;
 }
 
-pel_status_t pel_ils_factor(pel_ils_t *s)
+pel_status_t pel_ils_factor(pel_ils_t *s, bool pivoting)
 {
     const int n = s->n;
     for (int i = 0; i < n; i++) {
@@ -46,7 +46,7 @@ pel_status_t pel_ils_factor(pel_ils_t *s)
     }
     for (int k = 0; k < n; k++) {
         int p = k;
-        for (int i = k + 1; i < n; i++) {
+        for (int i = k + 1; pivoting && i < n; i++) {
             if (tri_row(s->LD, i)[i] < tri_row(s->LD, p)[p]) { p = i; }
         }
         if (p != k) { exchange(s, k, p); }

@@ -8,6 +8,7 @@
 #include "pelorus/math.h"
 
 #define UNBOUNDED   1e300
+#define FASF_KAPPA  4.0
 #define INTEGER_MAX 1073741824.0 /* 2^30: a level's integer and its neighbours stay within 32 bits */
 
 /* Conditional mean of level p given the integers of the levels before, and its nearest integer. */
@@ -59,13 +60,20 @@ pel_status_t pel_ils_first_node(pel_ils_t *s)
     return enter_level(s, 0);
 }
 
+/* Is the node at hand, whose partial squared norm is sq, not worth to go on from? */
+static bool beyond(const pel_ils_t *s, int p, double sq)
+{
+    if (s->method == PEL_ILS_FASF) { return s->w[p] * s->w[p] * s->inv_D[p] > FASF_KAPPA * FASF_KAPPA; }
+    return sq >= bound(s);
+}
+
 /* Visit the node at hand and move to the next. */
 static pel_status_t visit(pel_ils_t *s)
 {
     const int p = s->level;
     const double sq = s->cost[p] + s->w[p] * s->w[p] * s->inv_D[p];
     s->nodes++;
-    if (sq >= bound(s)) { /* its farther siblings are worse: back to the level before */
+    if (beyond(s, p, sq)) { /* its farther siblings are worse: back to the level before */
         if (p == 0) {
             s->stage = PEL_ILS_OPTIMAL;
         } else {
@@ -78,7 +86,8 @@ static pel_status_t visit(pel_ils_t *s)
         s->cost[p + 1] = sq;
         return enter_level(s, p + 1);
     }
-    keep(s, sq);
+    if (s->n_found < s->n_best || sq < bound(s)) { keep(s, sq); }
+    if (s->method == PEL_ILS_FASF && ++s->n_vectors > PEL_ILS_FASF_VECTORS) { s->stage = PEL_ILS_BUDGET; }
     next_sibling(s, p);
     return PEL_OK;
 }
