@@ -10,11 +10,12 @@
 
 #define NODES_DEFAULT 1000000
 
-enum { OPT_JSON, OPT_NODES, OPT_BEST };
+enum { OPT_JSON, OPT_NODES, OPT_BEST, OPT_METHOD };
 static const cli_option_t options[] = {
     {"json", 'j', NULL, "one JSON object a problem"},
     {"nodes", 'n', "N", "node budget of a problem (default 1000000)"},
     {"best", 'b', "K", "candidates wanted, 1 to 4 (default 2)"},
+    {"method", 'm', "NAME", "lambda (default), cholesky or fasf"},
 };
 static const cli_program_t program = {
     .program = "pelorus-solve",
@@ -33,7 +34,10 @@ typedef struct {
     bool json;
     int32_t nodes;
     int best;
+    pel_ils_method_t method;
 } settings_t;
+
+static const char *const methods[] = {"lambda", "cholesky", "fasf"}; /* as pel_ils_method_t */
 
 typedef struct {
     int optimal, budget, rejected;
@@ -117,7 +121,7 @@ static void solve(const problem_text_t *p, int number, const settings_t *set, in
         why = too_large;
     }
     if (why[0] == '\0') {
-        status = pel_ils_init(&ils, p->n, p->a, p->Q, set->best, set->nodes);
+        status = pel_ils_init_as(&ils, set->method, p->n, p->a, p->Q, set->best, set->nodes);
         if (status == PEL_OK) { status = pel_ils_run(&ils, INT32_MAX); }
         if (status < 0) { why = refusal(status); }
     }
@@ -145,6 +149,7 @@ static settings_t read_options(cli_t *cli)
         switch (o) {
         case OPT_JSON: set.json = true; break;
         case OPT_NODES: set.nodes = (int32_t)cli_integer(cli, 1, INT32_MAX); break;
+        case OPT_METHOD: set.method = (pel_ils_method_t)cli_word(cli, methods, 3); break;
         case OPT_BEST: set.best = (int)cli_integer(cli, 1, PEL_ILS_BEST); break;
         default: break;
         }
