@@ -87,7 +87,7 @@ static void print_text(int number, int n, pel_status_t status)
 {
     static const char *const names[PEL_ILS_BEST] = {"best", "second", "third", "fourth"};
     printf("problem %d: n = %d, %s, %" PRId32 " nodes, ratio %.6f, success %.6f, ADOP %.4f cycles\n", number, n,
-           status_name(status), ils.nodes, pel_ils_ratio(&ils), ils.success, ils.adop_cyc);
+           status_name(status), ils.nodes, pel_ils_ratio(&ils), pel_ils_success(&ils), pel_ils_adop(&ils));
     for (int k = 0; k < ils.n_found; k++) {
         int64_t N[PEL_MAX_AMB];
         double sq;
@@ -138,7 +138,7 @@ static void solve(const problem_text_t *p, int number, const settings_t *set, in
     }
     if (verbosity > 0 && status >= 0) {
         fprintf(stderr, "problem %d: %" PRId32 " exchanges%s, success %.9f, ADOP %.6f cycles\n", number, ils.swaps,
-                ils.decorrelated ? "" : " (cap met)", ils.success, ils.adop_cyc);
+                ils.decorrelated ? "" : " (cap met)", pel_ils_success(&ils), pel_ils_adop(&ils));
     }
 }
 

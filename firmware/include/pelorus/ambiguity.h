@@ -61,8 +61,6 @@ typedef struct {
     uint8_t stage;     /* pel_ils_stage_t */
     bool decorrelated; /* false: the cap on swaps was met first (the search is still exact, only slower) */
     int32_t swaps;     /* exchanges made by the decorrelation */
-    double success;    /* probability that the bootstrapped vector is right, from the decorrelated variances */
-    double adop_cyc;   /* ambiguity dilution of precision det(Q)^(1/2n), cycles */
     double float_sq;   /* misfit of the float solution and its degrees of freedom, set by pel_amb_float(); else 0 */
     int32_t float_dof;
 
@@ -142,6 +140,13 @@ pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq);
 
 /* Second over best squared norm (0 if there are not two; at most 1e9). */
 double pel_ils_ratio(const pel_ils_t *s);
+
+/* Probability that the bootstrapped vector is right, prod (2 Phi(1 / (2 sigma_p)) - 1) over the decorrelated conditional sigmas: a lower
+ * bound of the best vector's (Teunissen 1998). 0 if s is empty. Cost an error function for each sigma above 1/18 cycle. */
+double pel_ils_success(const pel_ils_t *s);
+
+/* Ambiguity dilution of precision det(Q)^(1/2n), cycles (Teunissen 1997). 0 if s is empty. */
+double pel_ils_adop(const pel_ils_t *s);
 
 /* Ratio from which on a wrong vector is accepted with at most this probability, for this n and these variances: 1 for a strong model,
  * large for a weak one (at most 1e9). 0 if s is empty; failure_max in (0, 1).

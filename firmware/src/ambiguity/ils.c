@@ -32,24 +32,29 @@ static pel_status_t check_variances(const pel_ils_t *s, int n)
     return PEL_OK;
 }
 
-/* Bootstrapped success rate, prod (2 Phi(1 / (2 sigma_p)) - 1), and ADOP = prod sigma_p^(1/n) (Teunissen 1998; 1997). */
-static void measure_strength(pel_ils_t *s)
+double pel_ils_success(const pel_ils_t *s)
 {
-    double success = 1.0;
+    double success = (s->stage == PEL_ILS_EMPTY) ? 0.0 : 1.0;
+    for (int p = 0; p < s->n; p++) {
+        const double d = tri_row_const(s->LD, p)[p];
+        if (d > SURE_VARIANCE) { success *= 1.0 - 2.0 * pel_normal_cdf(-0.5 / pel_sqrt(d)); }
+    }
+    return success;
+}
+
+double pel_ils_adop(const pel_ils_t *s)
+{
+    if (s->stage == PEL_ILS_EMPTY) { return 0.0; }
     double product = 1.0;
     double log_sum = 0.0;
     for (int p = 0; p < s->n; p++) {
-        const double d = tri_row(s->LD, p)[p];
-        s->inv_D[p] = 1.0 / d;
-        if (d > SURE_VARIANCE) { success *= 1.0 - 2.0 * pel_normal_cdf(-0.5 / pel_sqrt(d)); }
-        product *= d;
+        product *= tri_row_const(s->LD, p)[p];
         if (product < 1e-200 || product > 1e200) { /* one logarithm for many factors */
             log_sum += pel_log(product);
             product = 1.0;
         }
     }
-    s->success = success;
-    s->adop_cyc = pel_exp(0.5 * (log_sum + pel_log(product)) / s->n);
+    return pel_exp(0.5 * (log_sum + pel_log(product)) / s->n);
 }
 
 pel_status_t pel_ils_start(pel_ils_t *s, pel_ils_method_t method, int n, int n_best, int32_t budget)
@@ -77,7 +82,7 @@ pel_status_t pel_ils_start(pel_ils_t *s, pel_ils_method_t method, int n, int n_b
     status = pel_ils_factor(s, method == PEL_ILS_LAMBDA);
     if (status == PEL_OK) {
         if (method == PEL_ILS_LAMBDA) { pel_ils_decorrelate(s); }
-        measure_strength(s);
+        for (int p = 0; p < n; p++) { s->inv_D[p] = 1.0 / tri_row(s->LD, p)[p]; }
         status = pel_ils_first_node(s);
     }
     if (status != PEL_OK) {

@@ -101,7 +101,7 @@ pel_status_t pel_int_validate(const pel_amb_problem_t *p, const pel_ils_t *s, co
     if (s->stage != PEL_ILS_OPTIMAL) { fail(v, PEL_INT_BUDGET); }
     if (s->n != pel_amb_count(p) || pel_ils_get(s, 0, N_sought, &sq) != PEL_OK) { return PEL_E_MISSING; }
 
-    v->success = s->success;
+    v->success = pel_ils_success(s);
     if (!(v->success >= limits->success_min)) { fail(v, PEL_INT_SUCCESS); }
     v->ratio = pel_ils_ratio(s);
     v->ratio_needed = limits->ratio_min;

@@ -295,7 +295,7 @@ static bool search(pel_navigator_t *nav, int n, pel_nav_integers_t *out)
     out->n = n;
     out->nodes = nav->ils.nodes;
     out->ratio = pel_ils_ratio(&nav->ils);
-    out->success = nav->ils.success;
+    out->success = pel_ils_success(&nav->ils);
     out->reason = !proved                            ? PEL_INT_BUDGET
                   : (out->success < RESOLVE_SUCCESS) ? PEL_INT_SUCCESS
                   : (out->ratio < RESOLVE_RATIO)     ? PEL_INT_RATIO
