@@ -121,7 +121,8 @@ typedef struct {
     bool held;     /* N is an integer that was validated */
     int16_t state; /* index of its filter state; -1: held, or the datum of its group */
     uint16_t epochs;
-    double N; /* cycles, rover minus base, on the group's datum */
+    double N;            /* cycles, rover minus base, on the group's datum */
+    pel_time_t since_ns; /* when a float one began */
 } pel_tracked_t;
 
 typedef struct {

@@ -10,6 +10,7 @@
 #define MAX_MISFITS      3   /* epochs in a row whose held integers do not fit: all are released */
 #define MODE_CHANGE_SD_M 3.0 /* a base's coordinates and a single receiver's position differ by this much */
 #define STALE_CLOCK_S    60.0
+#define WEAK_VAR_M2      25.0
 #define LOST_SD_M        20.0
 #define COARSE_RAD       (1.0 * PEL_DEG) /* attitude known worse than this: what the error model leaves out is not small */
 #define GRAVITY_MPS2     9.8
@@ -207,18 +208,21 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
 }
 
 /* GNSS alone over a long silence knows its place worse than the epoch's own code does. Rows are linear and the troposphere right
- * only near the truth: begin from the single-point solution, keeping what is known of velocity. */
-static void replace_lost_position(pel_navigator_t *nav)
+ * only near the truth: the single-point solution comes first, as a measurement so weak that the code's rows still count. */
+static void draw_lost_position(pel_navigator_t *nav)
 {
     const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
     double P[3][3];
     pel_ud_block3(&nav->ud, i_r, i_r, P);
     if (nav->ins || P[0][0] + P[1][1] + P[2][2] < LOST_SD_M * LOST_SD_M) { return; }
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) { P[i][j] = 4.0 * nav->spp.cov_r_e[i][j] + ((i == j) ? LOST_SD_M : 0.0); }
+    for (int k = 0; k < 3; k++) {
+        pel_real h[PEL_MAX_STATES] = {0};
+        h[i_r + k] = PEL_R(1.0);
+        const double z = nav->at_horizon.r_eb_e[k] - nav->spp.r_ea_e[k];
+        const double var = 4.0 * nav->spp.cov_r_e[k][k] + WEAK_VAR_M2;
+        (void)pel_ud_update(&nav->ud, h, i_r + k, (pel_real)z, (pel_real)var, 0, NULL);
     }
-    if (pel_ud_set_block3(&nav->ud, i_r, P) != PEL_OK) { return; }
-    memcpy(nav->at_horizon.r_eb_e, nav->spp.r_ea_e, sizeof nav->at_horizon.r_eb_e);
+    pel_nav_close_loop(nav);
 }
 
 /* Bring the state to the epoch's instant, starting it if there is none. */
@@ -235,7 +239,7 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
             status = pel_nav_advance(nav, t_ns);
         }
         if (status == PEL_OK) {
-            if (solved) { replace_lost_position(nav); }
+            if (solved) { draw_lost_position(nav); }
             return true;
         }
         nav->counters.restarts++;

@@ -10,9 +10,10 @@
 #include "pelorus/math.h"
 
 #define FLOAT_SD_M      30.0 /* of a new ambiguity, as range */
-#define RESOLVE_AFTER   10   /* epochs of the youngest ambiguity that may be resolved */
+#define RESOLVE_EPOCHS  2    /* of the youngest ambiguity that may be resolved */
+#define RESOLVE_AFTER_S 9.5  /* and its age: errors of phase last for seconds, epochs at once are one */
 #define RESOLVE_RATIO   3.0
-#define RESOLVE_SUCCESS 0.999
+#define RESOLVE_SUCCESS 0.99
 #define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
 
 static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
@@ -200,6 +201,7 @@ static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t
     t->N = N_ref + dd_m / sd->lambda_m;
     t->held = false;
     t->epochs = 0;
+    t->since_ns = nav->at_horizon.t_ns;
     if (!add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) { drop(nav, (int)(t - nav->track.entry)); }
 }
 
@@ -275,7 +277,10 @@ static int collect(pel_navigator_t *nav, int index[PEL_MAX_AMB])
     int n = 0;
     for (int i = 0; i < nav->track.n && n < PEL_MAX_AMB; i++) {
         const pel_tracked_t *t = &nav->track.entry[i];
-        if (t->state >= 0 && t->epochs >= RESOLVE_AFTER) { index[n++] = i; }
+        if (t->state >= 0 && t->epochs >= RESOLVE_EPOCHS &&
+            pel_time_diff_s(nav->at_horizon.t_ns, t->since_ns) >= RESOLVE_AFTER_S) {
+            index[n++] = i;
+        }
     }
     for (int r = 0; r < n; r++) {
         const pel_tracked_t *t = &nav->track.entry[index[r]];
