@@ -9,10 +9,11 @@
 #include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
-#define PIVOT_MIN 1e-13 /* of the variance: below, the factor is noise of double arithmetic */
-#define SWAP_GAIN 0.02  /* a conditional variance must fall by this share for an exchange to be worth it */
-#define STEP_MAX  32767.0
-#define LONE_MAX  1.5 /* above, not only the neighbour is taken out of a row: its other entries would grow */
+#define PIVOT_MIN     1e-13 /* of the variance: below, the factor is noise of double arithmetic */
+#define SWAP_GAIN     0.02  /* a conditional variance must fall by this share for an exchange to be worth it */
+#define STEP_MAX      32767.0
+#define LONE_MAX      1.5  /* above, not only the neighbour is taken out of a row: its other entries would grow */
+#define WEAK_VARIANCE 0.05 /* cycles^2: if conditional variances have a larger mean, searches may be long */
 
 static void swap_double(double *a, double *b)
 {
@@ -142,10 +143,10 @@ static bool swap_neighbours(pel_ils_t *s, int k, int32_t m, double d_new)
     return true;
 }
 
-void pel_ils_decorrelate(pel_ils_t *s)
+/* Exchanges of neighbours until none gains. False: a cap was met. */
+static bool exchange_neighbours(pel_ils_t *s)
 {
     int k = 1;
-    s->decorrelated = true;
     while (k < s->n) {
         const double *row = tri_row_const(s->LD, k);
         const double d_before = row[-1]; /* the diagonal of the row before */
@@ -158,11 +159,58 @@ void pel_ils_decorrelate(pel_ils_t *s)
             continue;
         }
         if (!alone) {
-            s->decorrelated = reduce_row(s, k);
+            if (!reduce_row(s, k)) { return false; }
             rest = row[k - 1];
         }
-        s->decorrelated = s->decorrelated && swap_neighbours(s, k, m, row[k] + rest * rest * d_before);
-        if (!s->decorrelated) { return; }
+        if (!swap_neighbours(s, k, m, row[k] + rest * rest * d_before)) { return false; }
         if (k > 1) { k--; }
     }
+    return true;
+}
+
+/* Is the search likely to be long? Then deeper insertion pays. */
+static bool weak(const pel_ils_t *s)
+{
+    double sum = 0.0;
+    for (int p = 0; p < s->n; p++) { sum += tri_row_const(s->LD, p)[p]; }
+    return sum > WEAK_VARIANCE * s->n;
+}
+
+/* The earliest level whose variance would fall by SWAP_GAIN if ambiguity k came there, -1 if there is none. */
+static int insertion_level(const pel_ils_t *s, int k)
+{
+    const double *row = tri_row_const(s->LD, k);
+    double d_new = row[k];
+    int level = -1;
+    for (int j = k - 1; j >= 0; j--) {
+        const double d = tri_row_const(s->LD, j)[j];
+        d_new += row[j] * row[j] * d;
+        if (d_new < (1.0 - SWAP_GAIN) * d) { level = j; }
+    }
+    return level;
+}
+
+/* Deep insertion (Schnorr, Euchner 1994): a row completely reduced goes to the earliest level that gains. */
+static bool insert_deep(pel_ils_t *s)
+{
+    for (int k = 1; k < s->n;) {
+        if (!reduce_row(s, k)) { return false; }
+        const int level = insertion_level(s, k);
+        if (level < 0) {
+            k++;
+            continue;
+        }
+        for (int i = k; i > level; i--) {
+            const double *row = tri_row_const(s->LD, i);
+            if (!swap_neighbours(s, i, 0, row[i] + row[i - 1] * row[i - 1] * row[-1])) { return false; }
+        }
+        k = (level > 0) ? level : 1;
+    }
+    return true;
+}
+
+void pel_ils_decorrelate(pel_ils_t *s)
+{
+    s->decorrelated = exchange_neighbours(s);
+    if (s->decorrelated && weak(s)) { s->decorrelated = insert_deep(s); }
 }
