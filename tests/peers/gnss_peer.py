@@ -38,6 +38,10 @@ class Peer:
         head = "N {sys} {prn} {health} {source} {iode} {ura:g} {toe_ns} {toc_ns}".format(**dict(e, health=e["health"] & 255))
         return int(self.ask(head + "".join(f" {e[n]!r}" for n in names))[1])
 
+    def glonass(self, e):
+        names = "af0 af1 k x vx ax y vy ay z vz az".split()
+        return int(self.ask("R {prn} {health} {toe_ns}".format(**e) + "".join(f" {e[n]:.17g}" for n in names))[1])
+
     def klobuchar(self, k):
         if k:
             self.tell("K " + " ".join(map(repr, k)))
@@ -45,7 +49,7 @@ class Peer:
     def epoch(self, who, t_ns, signals, lock_ms=0):
         self.tell(f"E {who} {t_ns}")
         for o in signals:
-            self.tell("O {sys} {prn} {carrier} {code} {P!r} {L!r} {D!r} {cn0!r} {lock} {flags}".format(**o, lock=lock_ms))
+            self.tell("O {sys} {prn} {carrier} {code} {P!r} {L!r} {D!r} {cn0!r} {lock} {flags}".format(**o, lock=lock_ms) + f" {o.get('k', 0)}")
 
     def solve(self, prior, mask_deg=10.0):
         a = self.ask(f"P {int(prior)} {mask_deg}")

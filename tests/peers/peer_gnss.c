@@ -3,12 +3,13 @@
  *   K a0..a3 b0..b3                                Klobuchar parameters
  *   N sys prn health source iode ura toe_ns toc_ns af0 af1 af2 sqrt_a e i0 Omega0 omega M0 dn Omega_dot idot
  *     cuc cus crc crs cic cis tgd0 tgd1            ephemeris
+ *   R prn health toe_ns af0 af1 k x vx ax y vy ay z vz az      ephemeris of GLONASS
  *   S sys prn t_ns dt_s                            satellite state    -> S status x y z vx vy vz clk clk_rate
  *   G sys prn carrier t_ns                         group delay        -> G m
  *   T lat h el                                     troposphere        -> T m
  *   I t_ns lat lon az el                           ionosphere         -> I m
  *   E who t_ns                                     start the epoch of receiver 0 (rover) or 1 (base)
- *   O sys prn carrier code P L D cn0 lock flags    add a signal to it
+ *   O sys prn carrier code P L D cn0 lock flags    add a signal to it (GLONASS: its channel behind)
  *   P prior mask_deg                               solve the rover    -> P status t_ns x y z vx vy vz clk n excluded rate rms sdx sdy sdz
  *   L                                              rover slip check   -> L lock half gf doppler ins jumps, then marked signals
  *   D rx ry rz bx by bz age                        single differences -> D n, then n lines sys prn carrier pivot half slip code phase rate
@@ -65,6 +66,26 @@ static void add_ephemeris(char *p)
     printf("N %d\n", pel_orbits_add(&orbits, &e));
 }
 
+static void add_glonass(char *p)
+{
+    pel_ephemeris_t e;
+    memset(&e, 0, sizeof e);
+    e.sys = PEL_SYS_GLO;
+    e.prn = (uint8_t)whole(&p);
+    e.health = (uint8_t)whole(&p);
+    e.toe_ns = e.toc_ns = whole(&p);
+    e.sd_ura_m = 4.0f;
+    e.af0 = number(&p);
+    e.af1 = number(&p);
+    e.glo.k = (int8_t)whole(&p);
+    for (int i = 0; i < 3; i++) {
+        e.glo.r_e[i] = number(&p);
+        e.glo.v_e[i] = number(&p);
+        e.glo.a_e[i] = number(&p);
+    }
+    printf("N %d\n", pel_orbits_add(&orbits, &e));
+}
+
 static void add_signal(char *p)
 {
     pel_epoch_t *e = &epoch[who];
@@ -85,6 +106,7 @@ static void add_signal(char *p)
     o->cn0_dbhz = (float)number(&p);
     o->lock_ms = (uint32_t)whole(&p);
     o->flags = (uint8_t)whole(&p);
+    o->glo_k = (int8_t)whole(&p);
 }
 
 static void solve(char *p)
@@ -186,6 +208,7 @@ int main(void)
             orbits.klobuchar.valid = true;
             break;
         case 'N': add_ephemeris(p); break;
+        case 'R': add_glonass(p); break;
         case 'S': state(p); break;
         case 'T':
             vector(&p, a);

@@ -7,6 +7,7 @@ import random
 import pytest
 import rinex_reader as rinex
 from gnss_peer import peer, recording  # noqa: F401
+from wire_peer import convbin_glonass, unpacked
 
 NAV_FILES = {
     "attitude": ("attitude-static-099m-2024", "base.nav.gz"),
@@ -96,6 +97,40 @@ def test_positions_to_1_mm_and_clocks_to_1e_12_s(peer, rtklib, name):  # noqa: F
     assert all(w[0] < 1e-3 and w[1] < 1e-12 for w in worst.values())
     if name == "attitude":
         assert {"GPS", "Galileo", "BeiDou", "QZSS", "GEO"} <= seen.keys()
+
+
+class GEph(c.Structure):
+    _fields_ = [(n, c.c_int) for n in "sat iode frq svh sva age".split()] + [("toe", GTime), ("tof", GTime)]
+    _fields_ += [(n, c.c_double * 3) for n in ("pos", "vel", "acc")] + [(n, c.c_double) for n in ("taun", "gamn", "dtaun")]
+
+
+@pytest.mark.parametrize("name", ["galway", "attitude"])
+def test_glonass_states_are_rtklibs(peer, rtklib, name, tmp_path):  # noqa: F811
+    """RTKLIB integrates with an older value of the Earth's mass (398600.44 against .4418 km^3/s^2): 1 mm in a quarter of an hour."""
+    if name == "galway":
+        found = convbin_glonass(unpacked(tmp_path, "galway-walk-20181009", "rover-20181009-1221.ubx.gz"), "ubx", tmp_path)
+    else:
+        found = rinex.read_glonass(recording(*NAV_FILES["attitude"]))
+    rtklib.geph2pos.argtypes = [GTime, c.POINTER(GEph)] + 3 * [c.POINTER(c.c_double)]
+    worst, clock, seen = {900: 0.0, 1800: 0.0}, 0.0, 0
+    for e in found:
+        if e["toe_ns"] % 900_000_000_000 != 18_000_000_000 or peer.glonass(e) != 0:
+            continue
+        g = GEph(sat=rtklib.satno(4, e["prn"]), toe=gtime(e["toe_ns"]), taun=-e["af0"], gamn=e["af1"])
+        g.pos[:], g.vel[:], g.acc[:] = [[e[p + a] for a in "xyz"] for p in ("", "v", "a")]
+        for dt in (-900, -333.3, 0, 59.9, 60, 777, 900, 1799):
+            r, clk, var = (c.c_double * 3)(), c.c_double(), c.c_double()
+            t = e["toe_ns"] + round(dt * 1e9)
+            rtklib.geph2pos(gtime(t), c.byref(g), r, c.byref(clk), c.byref(var))
+            a = peer.ask(f"S 1 {e['prn']} {e['toe_ns']} {dt}")
+            if a[1] != "0":
+                continue
+            span = 900 if abs(dt) <= 900 else 1800
+            worst[span] = max(worst[span], distance(list(r), list(map(float, a[2:5]))))
+            clock = max(clock, abs(clk.value - float(a[8])))
+            seen += 1
+    print(f"\n{name}: {seen} states of {len(found)} sets, {1e3 * worst[900]:.3f} mm within 15 min, {1e3 * worst[1800]:.3f} mm within 30, {clock:.1e} s")
+    assert seen >= 100 and worst[900] < 2e-3 and worst[1800] < 1e-2 and clock < 1e-15
 
 
 def nearest(ephemerides, e, t_ns):

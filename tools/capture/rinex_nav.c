@@ -8,6 +8,7 @@
 #include "rinex_header.h"
 
 #define BDT_WEEK_0 1356 /* GPS week of BeiDou week 0 */
+#define GLO_SD_M   4.0f /* most files do not tell it */
 #define MAX_LINES  9    /* of one record, RINEX 3.05 GLONASS has 5, the others 8 */
 
 typedef struct {
@@ -229,6 +230,36 @@ static bool decode(record_t *rec, uint8_t sys, uint8_t prn, nav_record_t *out)
     return true;
 }
 
+/* A record of GLONASS: state vector in km, clock as -tau_n and gamma_n, time in UTC; 4 lines, later versions add one. */
+static bool decode_glonass(record_t *rec, uint8_t prn, nav_record_t *out)
+{
+    pel_ephemeris_t *eph = &out->eph;
+    double square = 0.0;
+    memset(out, 0, sizeof *out);
+    eph->sys = PEL_SYS_GLO;
+    eph->prn = prn;
+    if (!record_time(rec, CLOCK_UTC, &eph->toe_ns)) { return false; }
+    eph->toc_ns = eph->toe_ns;
+    const int64_t moscow_s = eph->toe_ns / PEL_NS_PER_S - pel_time_leap_s(eph->toe_ns) + 10800;
+    eph->iode = eph->iodc = (uint16_t)(moscow_s % 86400 / 900); /* t_b */
+    eph->af0 = value(rec, 0, 1);
+    eph->af1 = value(rec, 0, 2);
+    for (int i = 0; i < 3; i++) {
+        eph->glo.r_e[i] = 1e3 * value(rec, i + 1, 0);
+        eph->glo.v_e[i] = 1e3 * value(rec, i + 1, 1);
+        eph->glo.a_e[i] = 1e3 * value(rec, i + 1, 2);
+        square += eph->glo.r_e[i] * eph->glo.r_e[i];
+    }
+    const double k = value(rec, 2, 3);
+    eph->health = (value(rec, 1, 3) != 0.0) ? 1 : 0;
+    eph->glo.k = (int8_t)lround(fmax(-8.0, fmin(k, 7.0)));
+    eph->sd_ura_m = GLO_SD_M;
+    eph->fit_s = 1200.0f;
+    out->t_tx_ns = eph->toe_ns - 900 * PEL_NS_PER_S; /* sent during the half hour in whose middle it is valid */
+    return !rec->bad && square > 2.4e7 * 2.4e7 && square < 2.7e7 * 2.7e7 && k >= -7.0 && k <= 6.0 &&
+           fabs(eph->af0) < 0.1;
+}
+
 static bool same(const pel_ephemeris_t *a, const pel_ephemeris_t *b)
 {
     return a->sys == b->sys && a->prn == b->prn && a->source == b->source && a->toe_ns == b->toe_ns &&
@@ -268,14 +299,21 @@ static void take(nav_set_t *set, const nav_header_t *h, record_t *rec, tally_t *
         const double k = value(rec, 2, 3);
         if (!rec->bad && n >= 1 && n <= 32 && k >= -7.0 && k <= 6.0) { set->glo_k[n] = (int8_t)lround(k); }
     }
-    if (sys < 0 || sys == PEL_SYS_GLO || sys == PEL_SYS_SBS) {
-        tally_add(tally, TALLY_LEFT, (sys == PEL_SYS_GLO) ? "GLONASS orbits" : "SBAS, IRNSS and other orbits", 1);
+    if (sys < 0 || sys == PEL_SYS_SBS) {
+        tally_add(tally, TALLY_LEFT, "SBAS, IRNSS and other orbits", 1);
         return;
     }
     if (sys == PEL_SYS_QZS && n > 192) { n -= 192; }
+    const int n_lines = (sys == PEL_SYS_GLO) ? 4 : 8;
     nav_record_t out;
-    if (n < 1 || n > pel_sys_max_prn((pel_sys_t)sys) || rec->n < 8 || !decode(rec, (uint8_t)sys, (uint8_t)n, &out)) {
-        tally_add(tally, TALLY_REFUSED, (rec->n < 8) ? "ephemeris cut short" : "ephemeris with an impossible value", 1);
+    bool good = n >= 1 && n <= pel_sys_max_prn((pel_sys_t)sys) && rec->n >= n_lines;
+    if (good) {
+        good =
+            (sys == PEL_SYS_GLO) ? decode_glonass(rec, (uint8_t)n, &out) : decode(rec, (uint8_t)sys, (uint8_t)n, &out);
+    }
+    if (!good) {
+        tally_add(tally, TALLY_REFUSED,
+                  (rec->n < n_lines) ? "ephemeris cut short" : "ephemeris with an impossible value", 1);
         return;
     }
     (void)keep(set, &out, tally);

@@ -1,7 +1,7 @@
 /* rinex_nav.h - RINEX 2 and 3 navigation files to broadcast ephemerides and the Klobuchar ionosphere.
  *
- * Taken: GPS, Galileo, BeiDou and QZSS. GLONASS records give their frequency channel and are otherwise, like SBAS and
- * IRNSS, counted and left out. Several files may be read into one set; a record that is there already is a duplicate. */
+ * Taken: GPS, GLONASS (which also tells its frequency channels), Galileo, BeiDou and QZSS. SBAS and IRNSS are counted and
+ * left out. Several files may be read into one set; a record that is there already is a duplicate. */
 #ifndef PELORUS_TOOLS_CAPTURE_RINEX_NAV_H
 #define PELORUS_TOOLS_CAPTURE_RINEX_NAV_H
 

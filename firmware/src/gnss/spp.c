@@ -38,7 +38,8 @@ void pel_spp_default(pel_spp_config_t *cfg)
         .doppler_sd_mps = 0.05,
         .p_false = 0.001,
         .max_exclude = 3,
-        .sys_mask = (1u << PEL_SYS_GPS) | (1u << PEL_SYS_GAL) | (1u << PEL_SYS_BDS) | (1u << PEL_SYS_QZS),
+        .sys_mask =
+            (1u << PEL_SYS_GPS) | (1u << PEL_SYS_GLO) | (1u << PEL_SYS_GAL) | (1u << PEL_SYS_BDS) | (1u << PEL_SYS_QZS),
     };
 }
 

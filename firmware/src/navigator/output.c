@@ -125,7 +125,7 @@ static pel_why_t system_why(const pel_navigator_t *nav, const pel_used_t *u, int
     if ((nav->cfg.systems & (1u << sys)) == 0) { return PEL_WHY_CONFIG; }
     if (u->rover_seen[sys] == 0) { return PEL_WHY_NO_DATA; }
     if (u->carriers_used[sys] != 0) { return PEL_WHY_NONE; }
-    if (sys == PEL_SYS_GLO || sys == PEL_SYS_SBS) { return PEL_WHY_UNSUPPORTED; }
+    if (sys == PEL_SYS_SBS) { return PEL_WHY_UNSUPPORTED; }
     if (nav->relative && u->base_carriers[sys] == 0) { return PEL_WHY_NO_DATA; }
     return PEL_WHY_NO_ORBIT;
 }
