@@ -56,9 +56,8 @@ def test_walk_single_receiver_and_imu_beat_single_point(rows):
     if r["peer"]:
         assert r["ours"]["h_rms_m"] < r["peer"]["h_rms_same_m"]
     assert r["ours"]["h_rms_m"] < alone["ours"]["h_rms_m"]
-    # Each axis; the receiver's own vertical velocity is 0.09 m/s from the differences of its own heights.
-    assert np.sqrt(np.mean(np.square(r["ours"]["v_rms_mps"]))) <= 0.1
-    assert max(r["ours"]["v_rms_mps"][:2]) <= 0.1
+    # Each axis, against the displacements of the receiver's RTK track.
+    assert max(r["ours"]["v_rms_mps"]) <= 0.1
     # All epochs from the first ephemerides on; the receiver sends them within 25 s.
     assert r["ours"]["epochs"] > 420
 

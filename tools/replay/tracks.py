@@ -101,6 +101,17 @@ def against(track, reference, expected, remove_mean):
     return f
 
 
+def against_displacements(track, reference, longest_s=0.6):
+    """Velocity (Simpson's mean over two epochs' span) against the displacement of the reference over it: rms NED, m/s."""
+    at, covered = reference.at(track.t_ns)
+    span_s = (track.t_ns[2:] - track.t_ns[:-2]) * 1e-9
+    good = covered[2:] & covered[1:-1] & covered[:-2] & (span_s < longest_s)
+    lat, lon, _ = earth.ecef_to_llh(at.r_e[1:-1])
+    moved = earth.rotate(earth.C_e_n(lat, lon), at.r_e[2:] - at.r_e[:-2]) / span_s[:, None]
+    v = (track.v_n[2:] + 4 * track.v_n[1:-1] + track.v_n[:-2]) / 6
+    return rms((v - moved)[good]).tolist()
+
+
 def point(track, r_e, expected):
     """A receiver that stands still at a known place."""
     f = shares(track, expected)
