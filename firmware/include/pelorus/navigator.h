@@ -55,6 +55,7 @@ typedef struct {
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
     bool no_ionosphere;              /* apply no ionosphere model: simulations without one */
     double single_code_tau_s;        /* correlation time of a single receiver's code errors */
+    double code_tau_s;               /* the same against a base: multipath */
     float base_max_age_s;
     float base_wait_s;   /* hold a rover epoch up to this long for its base epoch */
     float apply_delay_s; /* hold an epoch this long, so that one that arrives out of order still counts */
@@ -125,11 +126,35 @@ typedef struct {
     pel_time_t since_ns; /* when a float one began */
 } pel_tracked_t;
 
+/* What a GLONASS phase is off by for each channel, rover minus base (navigator/channels.c). Private. */
+typedef struct {
+    int16_t state;  /* index of its filter state, -1: none */
+    double slope_m; /* m a channel */
+    double var_m2;  /* of slope_m when its state was last seen */
+} pel_channels_t;
+
+#define PEL_GLO_CARRIERS 2 /* G1, G2 */
+
 typedef struct {
     int n;
     uint8_t misfits; /* epochs in a row whose held phases did not fit */
+    pel_time_t wandered_ns;
     pel_tracked_t entry[PEL_MAX_TRACKED];
+    pel_channels_t channels[PEL_GLO_CARRIERS];
 } pel_track_t;
+
+/* What the variance of each code is multiplied by, as learnt from its rows (navigator/code_noise.c). Private. */
+typedef struct {
+    float factor, rows;
+} pel_code_factor_t;
+
+typedef struct {
+    bool learning;      /* in this epoch */
+    float share;        /* of a row: errors of epochs close together are the same errors */
+    float inflated_by;  /* what the epoch's variances were multiplied by for that */
+    pel_time_t learnt_ns;
+    pel_code_factor_t of[PEL_N_SYS][PEL_N_CARRIER];
+} pel_code_noise_t;
 
 /* Outcome of the integers of one epoch. */
 typedef struct {
@@ -209,6 +234,7 @@ typedef struct pel_navigator_t {
     pel_amb_problem_t problem; /* workspace of the epoch's search */
     pel_ils_t ils;
     pel_track_t track;
+    pel_code_noise_t code_noise;
     pel_nav_update_t update;
 
     pel_pose_ring_t poses;

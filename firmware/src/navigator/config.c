@@ -19,7 +19,8 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->output_period_ns = 100 * PEL_NS_PER_MS;
     cfg->mask_rad = 10.0 * PEL_DEG;
     cfg->integer_mask_rad = 15.0 * PEL_DEG;
-    cfg->systems = (1u << PEL_SYS_GPS) | (1u << PEL_SYS_GAL) | (1u << PEL_SYS_BDS) | (1u << PEL_SYS_QZS);
+    cfg->systems =
+        (1u << PEL_SYS_GPS) | (1u << PEL_SYS_GLO) | (1u << PEL_SYS_GAL) | (1u << PEL_SYS_BDS) | (1u << PEL_SYS_QZS);
     cfg->carriers = (1u << PEL_N_CARRIER) - 1u;
     cfg->coast_after_s = 1.5f;
 
@@ -45,6 +46,7 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->noise_single.doppler_a_mps = 0.05;
     cfg->noise_single.doppler_b_mps = 0.05;
     cfg->single_code_tau_s = 60.0;
+    cfg->code_tau_s = 5.0;
     cfg->base_max_age_s = 10.0f;
     cfg->base_wait_s = 0.3f;
     cfg->apply_delay_s = 0.1f;

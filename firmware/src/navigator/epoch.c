@@ -54,11 +54,12 @@ typedef pel_nav_update_t update_t;
 
 /* A single receiver's code errors (orbit, clock, atmosphere, multipath) last for minutes: epochs are not independent. Taking
  * each with 2 tau / dt of its variance gives the information per second of a process correlated over tau. */
-static void allow_for_correlation(pel_navigator_t *nav, double gap_s)
+static double allow_for_correlation(pel_navigator_t *nav, double tau_s, double gap_s)
 {
-    const double factor = pel_max(1.0, 2.0 * nav->cfg.single_code_tau_s / pel_max(gap_s, 0.01));
-    if (nav->epoch_before_ns == 0) { return; }
+    const double factor = pel_max(1.0, 2.0 * tau_s / pel_max(gap_s, 0.01));
+    if (nav->epoch_before_ns == 0) { return 1.0; }
     for (int i = 0; i < nav->sd.n; i++) { nav->sd.sd[i].var_code *= factor; }
+    return factor;
 }
 
 static void add_noise(pel_navigator_t *nav, int first, double var)
@@ -129,12 +130,13 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *bas
         nav->epoch_solution.base_age_s = -1.0f;
         if (tried && !view_rover(nav, rover, r_ea_e, v_ea_e, NULL)) { return false; } /* with the ionosphere again */
         if (pel_sd_undifferenced(rover, &nav->view_rover, &nav->cfg.noise_single, &nav->sd) != PEL_OK) { return false; }
-        allow_for_correlation(nav, gap_s);
+        (void)allow_for_correlation(nav, nav->cfg.single_code_tau_s, gap_s);
     }
     if (relative != nav->relative && nav->last_epoch_ns != 0) {
         add_noise(nav, pel_model_index(&nav->model, PEL_BLOCK_POSITION), MODE_CHANGE_SD_M * MODE_CHANGE_SD_M);
     }
     nav->relative = relative;
+    if (relative) { pel_nav_code_noise_apply(nav); }
     return true;
 }
 
@@ -253,6 +255,7 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
 /* Integers of this epoch alone if they can be told; every other phase keeps the N it has, or begins a float one. */
 static void prepare_phases(pel_navigator_t *nav, update_t *u)
 {
+    pel_nav_track_wander(nav);
     if (nav->cfg.integers) { pel_nav_resolve(nav, u->P_r, &u->ints); }
     if (u->ints.reason == PEL_INT_OK) {
         pel_nav_track_hold(nav, &u->ints);
@@ -295,7 +298,13 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
     pel_nav_antenna_cov(nav, &u->ant, false, u->P_r);
     pel_nav_antenna_cov(nav, &u->ant, true, u->P_v);
     u->ints.reason = PEL_INT_NOT_TRIED;
-    if (nav->relative) { prepare_phases(nav, u); }
+    double inflated_by = 1.0;
+    if (nav->relative) {
+        prepare_phases(nav, u);
+        const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
+        inflated_by = allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
+    }
+    pel_nav_code_noise_begin(nav, inflated_by);
     pel_nav_update_rows(nav, u);
     pel_nav_close_loop(nav);
     if (nav->relative) { judge_phases(nav, u); }

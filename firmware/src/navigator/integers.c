@@ -11,6 +11,8 @@
 /* Below this success rate of the search problem the second best must be this much farther away. */
 #define SURE_SUCCESS        0.99
 #define UNSURE_RATIO_FACTOR 1.5
+/* As long as the slope of GLONASS channels is not known, two receivers of one make are supposed: if they are not, the misfit tells. */
+#define CHANNEL_SD_MAX_M 0.001
 
 static double baseline_km(const pel_navigator_t *nav)
 {
@@ -28,8 +30,28 @@ static int satellite_index(const pel_navigator_t *nav, const pel_sd_t *sd)
 
 static bool can_fix(const pel_sd_t *sd, double mask_rad)
 {
-    /* A GLONASS carrier has its own wavelength a satellite: its double differences are not integers of one wavelength. */
-    return sd->has_phase && !sd->half && (double)sd->el_rad >= mask_rad && sd->sys != PEL_SYS_GLO;
+    if (!sd->has_phase || sd->half || (double)sd->el_rad < mask_rad) { return false; }
+    return sd->sys != PEL_SYS_GLO || sd->has_code;
+}
+
+/* What a double difference of GLONASS phases holds beside its integer: the pivot's own number on another wavelength, and the
+ * slope of the channels. Both are known to their variance. */
+static double channel_offset_m(const pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *pivot)
+{
+    if (sd->sys != PEL_SYS_GLO) { return 0.0; }
+    double N_pivot;
+    if (!pel_nav_track_number(nav, pivot, &N_pivot)) { N_pivot = pel_nav_channels_number(pivot); }
+    return (sd->lambda_m - pivot->lambda_m) * N_pivot + pel_nav_channels_offset_m(nav, sd, pivot);
+}
+
+static double channel_sd_m(const pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *pivot)
+{
+    if (sd->sys != PEL_SYS_GLO) { return 0.0; }
+    double N_pivot;
+    const double code_m = pel_nav_track_number(nav, pivot, &N_pivot) ? 0.0 : PEL_NAV_DATUM_CODE_M;
+    const double slope_m = pel_min(pel_nav_channels_sd_m(nav, sd->carrier), CHANNEL_SD_MAX_M) * (double)(sd->glo_k - pivot->glo_k);
+    const double number_m = code_m * (sd->lambda_m / pivot->lambda_m - 1.0);
+    return pel_sqrt(slope_m * slope_m + number_m * number_m);
 }
 
 static void add_group(const pel_navigator_t *nav, const pel_sd_t *pivot, pel_amb_problem_t *p)
@@ -51,9 +73,10 @@ static void add_row(const pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd
     r->code = sd->has_code && pivot->has_code;
     for (int k = 0; k < 3; k++) { r->g[k] = pivot->u_e[k] - sd->u_e[k]; }
     r->lambda_m = sd->lambda_m;
-    r->phase_m = sd->phase_m - pivot->phase_m;
+    r->phase_m = sd->phase_m - pivot->phase_m - channel_offset_m(nav, sd, pivot);
     r->code_m = sd->code_m - pivot->code_m;
-    r->var_phase = sd->var_phase;
+    const double channel_m = channel_sd_m(nav, sd, pivot);
+    r->var_phase = sd->var_phase + channel_m * channel_m;
     r->var_code = sd->var_code;
 }
 

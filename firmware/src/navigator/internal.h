@@ -86,7 +86,54 @@ void pel_nav_update_rows(pel_navigator_t *nav, pel_nav_update_t *u);
 /* Satellites with any row in the last update. */
 int pel_nav_satellites_used(const pel_navigator_t *nav);
 
+/* ---- code_noise.c: how noisy the codes really are ---- */
+
+void pel_nav_code_noise_init(pel_navigator_t *nav);
+
+/* Multiply the variances of nav->sd by what was learnt. */
+void pel_nav_code_noise_apply(pel_navigator_t *nav);
+
+/* Before the rows of an epoch whose code variances were inflated for their correlation. */
+void pel_nav_code_noise_begin(pel_navigator_t *nav, double inflated_by);
+
+/* One code row: its innovation squared over its variance, which was var_state by the state and var_row by the code. While
+ * code_noise.learning. */
+void pel_nav_code_noise_learn(pel_navigator_t *nav, const pel_sd_t *sd, double nis, double var_state, double var_row);
+
+/* ---- channels.c: GLONASS phases, each on its own wavelength ---- */
+
+#define PEL_NAV_DATUM_CODE_M 3.0 /* a GLONASS datum comes from one code, rover minus base: 1 sigma */
+
+void pel_nav_channels_init(pel_navigator_t *nav);
+
+/* The filter was started afresh: its states are gone, what they had learnt is not. */
+void pel_nav_channels_forget(pel_navigator_t *nav);
+
+/* May phases of this satellite be used: a wavelength common to its group, or a slope state to make up for it? */
+bool pel_nav_channels_ready(const pel_navigator_t *nav, const pel_sd_t *sd);
+
+/* A group has a new datum, known from code alone. Begins the slope's state at the first one. */
+void pel_nav_channels_new_datum(pel_navigator_t *nav, const pel_sd_t *sd);
+
+/* What the slope makes of phase sd against phase ref, m, and its 1 sigma. 0 for other systems. */
+double pel_nav_channels_offset_m(const pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *ref);
+double pel_nav_channels_sd_m(const pel_navigator_t *nav, uint8_t carrier);
+
+/* The slope's part of a phase row. */
+void pel_nav_channels_put(const pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *ref, pel_row_t *row);
+
+/* Number of a phase from its code, cycles. */
+double pel_nav_channels_number(const pel_sd_t *sd);
+
+void pel_nav_channels_close_loop(pel_navigator_t *nav);
+
+/* State `removed` of the filter is gone: those behind it have moved up. */
+void pel_nav_channels_shift(pel_navigator_t *nav, int removed);
+
 /* ---- track.c: ambiguities from epoch to epoch ---- */
+
+/* The number of a phase on its group's datum, if it is not a filter state. */
+bool pel_nav_track_number(const pel_navigator_t *nav, const pel_sd_t *sd, double *N);
 
 /* Forget everything and its states (clear), or after the filter itself was started afresh (forget). */
 void pel_nav_track_clear(pel_navigator_t *nav);
@@ -94,6 +141,9 @@ void pel_nav_track_forget(pel_navigator_t *nav);
 
 /* One phase begins anew. */
 void pel_nav_track_drop(pel_navigator_t *nav, const pel_sd_t *sd);
+
+/* Float ambiguities wander by what the errors of their phases do in the time since. After nav->sd was formed. */
+void pel_nav_track_wander(pel_navigator_t *nav);
 
 /* Phases that slipped in this epoch of rover or base start anew. */
 void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e);

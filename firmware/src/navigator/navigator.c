@@ -27,6 +27,8 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
     nav->slip_base.phase_sd_m = nav->slip_rover.phase_sd_m;
     pel_imu_ring_init(&nav->ring);
     pel_nav_reset_alignment(nav);
+    pel_nav_channels_init(nav);
+    pel_nav_code_noise_init(nav);
 }
 
 static bool preset_uses_base(pel_preset_t p)
@@ -134,7 +136,7 @@ static bool allowed(const pel_navigator_t *nav, const pel_obs_t *obs)
 }
 
 /* A base whose line loses messages gives epochs of one system alone. Of one that is not used there is nothing to keep, and
- * GLONASS alone, whose integers are not resolved, must not take the place of an older epoch that has the others. */
+ * GLONASS alone must not take the place of an older epoch that has the others. */
 static bool any_allowed(const pel_navigator_t *nav, const pel_epoch_t *e)
 {
     for (int i = 0; i < e->n && i < PEL_MAX_OBS; i++) {

@@ -126,14 +126,17 @@ static double make_row(const pel_navigator_t *nav, const update_t *u, int i, int
 {
     const pel_sd_t *sd = &nav->sd.sd[i], *p = &nav->sd.sd[pivot];
     double dd = value(sd, kind) - value(p, kind);
-    if (kind == PHASE) { dd -= sd->lambda_m * (u->phases.N[i] - u->phases.N[pivot]); }
+    if (kind == PHASE) {
+        dd -= sd->lambda_m * u->phases.N[i] - p->lambda_m * u->phases.N[pivot] + pel_nav_channels_offset_m(nav, sd, p);
+    }
     if (kind == RATE) {
         pel_observe_rate(&u->ant, sd, p, dd, row);
         return dd;
     }
     pel_observe_range(&u->ant, sd, p, dd, row);
     if (kind == PHASE && u->phases.state[i] >= 0) { row->h[u->phases.state[i]] = (pel_real)sd->lambda_m; }
-    if (kind == PHASE && u->phases.state[pivot] >= 0) { row->h[u->phases.state[pivot]] = (pel_real)-sd->lambda_m; }
+    if (kind == PHASE && u->phases.state[pivot] >= 0) { row->h[u->phases.state[pivot]] = (pel_real)-p->lambda_m; }
+    if (kind == PHASE) { pel_nav_channels_put(nav, sd, p, row); }
     return dd;
 }
 
@@ -152,8 +155,15 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         const double dd = make_row(nav, u, i, pivot, kind, &row);
         const pel_real r_i = (pel_real)variance(sd, kind);
         pel_real nis = 0;
-        const bool used = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK &&
-                          pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
+        const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
+        const double var_state = (whitened && kind == CODE && nav->code_noise.learning)
+                                     ? (double)pel_ud_hph(&nav->ud, row.h, row.first)
+                                     : -1.0;
+        const bool used =
+            whitened && pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
+        if (used && var_state >= 0.0) {
+            pel_nav_code_noise_learn(nav, sd, (double)nis, var_state, (double)row.var);
+        }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, row.h);
             nav->epoch_solution.nis += (float)nis;

@@ -15,6 +15,9 @@
 #define RESOLVE_RATIO   3.0
 #define RESOLVE_SUCCESS 0.99
 #define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
+#define RESOLVE_CHI2_P  0.999
+#define MULTIPATH_TAU_S 10.0 /* errors of a phase last this long: what they add to a float ambiguity is a random walk */
+#define WANDER_EVERY_S  0.9
 
 static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
 {
@@ -23,6 +26,18 @@ static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8
         if (t->sys == sys && t->prn == prn && t->carrier == carrier) { return t; }
     }
     return NULL;
+}
+
+bool pel_nav_track_number(const pel_navigator_t *nav, const pel_sd_t *sd, double *N)
+{
+    for (int i = 0; i < nav->track.n; i++) {
+        const pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state < 0 && t->sys == sd->sys && t->prn == sd->prn && t->carrier == sd->carrier) {
+            *N = t->N;
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool same_group(const pel_tracked_t *t, uint8_t sys, uint8_t carrier)
@@ -59,6 +74,7 @@ static void remove_state(pel_navigator_t *nav, pel_tracked_t *t)
     for (int i = 0; i < nav->track.n; i++) {
         if (nav->track.entry[i].state > state) { nav->track.entry[i].state--; }
     }
+    pel_nav_channels_shift(nav, state);
 }
 
 static void drop(pel_navigator_t *nav, int i)
@@ -85,7 +101,9 @@ void pel_nav_track_clear(pel_navigator_t *nav)
 
 void pel_nav_track_forget(pel_navigator_t *nav)
 {
-    memset(&nav->track, 0, sizeof nav->track);
+    nav->track.n = 0;
+    nav->track.misfits = 0;
+    pel_nav_channels_forget(nav);
 }
 
 void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
@@ -147,7 +165,7 @@ static void hold(pel_navigator_t *nav, const pel_sd_t *sd, double N)
     t->held = true;
 }
 
-/* The integer of a group's pivot on the group's datum: known, or told by another satellite held and fixed, or 0. */
+/* The integer of a group's pivot on the group's datum: known, or told by another satellite held and fixed, or a new datum. */
 static double pivot_integer(pel_navigator_t *nav, const pel_nav_integers_t *ints, int first, int last, int pivot)
 {
     for (int pass = 0; pass < 2; pass++) {
@@ -159,7 +177,8 @@ static double pivot_integer(pel_navigator_t *nav, const pel_nav_integers_t *ints
             if (pass == 1 && ints->fixed[i]) { return t->N - (double)ints->N[i]; }
         }
     }
-    return 0.0;
+    pel_nav_channels_new_datum(nav, &nav->sd.sd[pivot]);
+    return (nav->sd.sd[pivot].sys == PEL_SYS_GLO) ? pel_nav_channels_number(&nav->sd.sd[pivot]) : 0.0;
 }
 
 void pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
@@ -189,7 +208,7 @@ void pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
 
 static bool phase_is_usable(const pel_sd_t *sd)
 {
-    return sd->has_phase && sd->has_code && !sd->half && sd->sys != PEL_SYS_GLO;
+    return sd->has_phase && sd->has_code && !sd->half;
 }
 
 /* A new float ambiguity from code minus phase; the receivers' clocks cancel against the group's reference. */
@@ -198,7 +217,7 @@ static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t
     pel_tracked_t *t = get_or_add(nav, sd);
     if (t == NULL) { return; }
     const double dd_m = (sd->phase_m - ref->phase_m) - (sd->code_m - ref->code_m);
-    t->N = N_ref + dd_m / sd->lambda_m;
+    t->N = (ref->lambda_m * N_ref + dd_m - pel_nav_channels_offset_m(nav, sd, ref)) / sd->lambda_m;
     t->held = false;
     t->epochs = 0;
     t->since_ns = nav->at_horizon.t_ns;
@@ -223,8 +242,9 @@ static void begin_group(pel_navigator_t *nav, int first, int last)
         if (!phase_is_usable(pivot) || datum_of(nav, pivot->sys, pivot->carrier) != NULL) { return; }
         pel_tracked_t *t = get_or_add(nav, pivot);
         if (t == NULL) { return; }
-        t->N = pel_round((pivot->phase_m - pivot->code_m) / pivot->lambda_m);
+        t->N = pel_nav_channels_number(pivot);
         t->held = false;
+        pel_nav_channels_new_datum(nav, pivot);
         ref = pivot;
         N_ref = t->N;
     }
@@ -247,11 +267,31 @@ void pel_nav_track_begin(pel_navigator_t *nav)
     }
 }
 
+/* A phase's multipath lasts for seconds: taken as white it would make float ambiguities surer than they are. */
+void pel_nav_track_wander(pel_navigator_t *nav)
+{
+    const double dt_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->track.wandered_ns);
+    if (nav->track.wandered_ns != 0 && dt_s >= 0.0 && dt_s < WANDER_EVERY_S) { return; }
+    const double share = pel_min(2.0 * dt_s / MULTIPATH_TAU_S, 2.0);
+    const bool first = nav->track.wandered_ns == 0 || dt_s < 0.0;
+    nav->track.wandered_ns = nav->at_horizon.t_ns;
+    for (int i = 0; !first && i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        const pel_tracked_t *t = phase_is_usable(sd) ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        if (t == NULL || t->state < 0) { continue; }
+        pel_real unit[PEL_MAX_STATES] = {0};
+        unit[t->state] = PEL_R(1.0);
+        const double var = share * sd->var_phase / (sd->lambda_m * sd->lambda_m);
+        pel_ud_rank_one(&nav->ud, t->state + 1, unit, (pel_real)var);
+    }
+}
+
 void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out)
 {
     for (int i = 0; i < nav->sd.n; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
-        pel_tracked_t *t = phase_is_usable(sd) ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        const bool ready = phase_is_usable(sd) && pel_nav_channels_ready(nav, sd);
+        pel_tracked_t *t = ready ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
         out->known[i] = t != NULL;
         out->held[i] = t != NULL && t->held;
         out->state[i] = (int16_t)((t != NULL) ? t->state : -1);
@@ -266,6 +306,7 @@ void pel_nav_track_close_loop(pel_navigator_t *nav)
         pel_tracked_t *t = &nav->track.entry[i];
         if (t->state >= 0) { t->N -= (double)nav->ud.x[t->state]; }
     }
+    pel_nav_channels_close_loop(nav);
 }
 
 /* ---- integers from the filter's own float ambiguities ------------------------------------------------------------------------- */
@@ -301,10 +342,13 @@ static bool search(pel_navigator_t *nav, int n, pel_nav_integers_t *out)
     out->nodes = nav->ils.nodes;
     out->ratio = pel_ils_ratio(&nav->ils);
     out->success = pel_ils_success(&nav->ils);
-    out->reason = !proved                            ? PEL_INT_BUDGET
-                  : (out->success < RESOLVE_SUCCESS) ? PEL_INT_SUCCESS
-                  : (out->ratio < RESOLVE_RATIO)     ? PEL_INT_RATIO
-                                                     : PEL_INT_OK;
+    double sq = 0.0;
+    const bool found = pel_ils_get(&nav->ils, 0, NULL, &sq) == PEL_OK;
+    out->reason = !proved || !found                                ? PEL_INT_BUDGET
+                  : (out->success < RESOLVE_SUCCESS)               ? PEL_INT_SUCCESS
+                  : (out->ratio < RESOLVE_RATIO)                   ? PEL_INT_RATIO
+                  : (sq > pel_chi2_threshold(n, RESOLVE_CHI2_P)) ? PEL_INT_CHI2
+                                                                   : PEL_INT_OK;
     return out->reason == PEL_INT_OK;
 }
 
