@@ -122,7 +122,9 @@ typedef struct {
     bool held;     /* N is an integer that was validated */
     int16_t state; /* index of its filter state; -1: held, or the datum of its group */
     uint16_t epochs;
+    uint8_t agreed;      /* searches in a row that gave the same integer */
     double N;            /* cycles, rover minus base, on the group's datum */
+    double candidate;    /* that integer */
     pel_time_t since_ns; /* when a float one began */
 } pel_tracked_t;
 
@@ -138,23 +140,28 @@ typedef struct {
 typedef struct {
     int n;
     uint8_t misfits; /* epochs in a row whose held phases did not fit */
+    uint8_t misfit_floats; /* searches in a row that no integers fitted */
     pel_time_t wandered_ns;
     pel_tracked_t entry[PEL_MAX_TRACKED];
     pel_channels_t channels[PEL_GLO_CARRIERS];
 } pel_track_t;
 
-/* What the variance of each code is multiplied by, as learnt from its rows (navigator/code_noise.c). Private. */
-typedef struct {
-    float factor, rows;
-} pel_code_factor_t;
+/* What the variances of codes and phases are multiplied by, as learnt from their rows (navigator/noise_level.c). Private. */
+#define PEL_NAV_LEVEL_CODE  0
+#define PEL_NAV_LEVEL_PHASE 1
+#define PEL_NAV_LEVELS      2
 
 typedef struct {
-    bool learning;      /* in this epoch */
-    float share;        /* of a row: errors of epochs close together are the same errors */
-    float inflated_by;  /* what the epoch's variances were multiplied by for that */
+    float factor, rows;
+} pel_noise_factor_t;
+
+typedef struct {
+    bool learning;          /* in this epoch */
+    float share;            /* of a row: errors of epochs close together are the same errors */
+    float code_inflated_by; /* what the epoch's code variances were multiplied by for that */
     pel_time_t learnt_ns;
-    pel_code_factor_t of[PEL_N_SYS][PEL_N_CARRIER];
-} pel_code_noise_t;
+    pel_noise_factor_t of[PEL_NAV_LEVELS][PEL_N_SYS][PEL_N_CARRIER];
+} pel_noise_level_t;
 
 /* Outcome of the integers of one epoch. */
 typedef struct {
@@ -234,7 +241,7 @@ typedef struct pel_navigator_t {
     pel_amb_problem_t problem; /* workspace of the epoch's search */
     pel_ils_t ils;
     pel_track_t track;
-    pel_code_noise_t code_noise;
+    pel_noise_level_t noise_level;
     pel_nav_update_t update;
 
     pel_pose_ring_t poses;

@@ -14,6 +14,7 @@
 #define LOST_SD_M        20.0
 #define COARSE_RAD       (1.0 * PEL_DEG) /* attitude known worse than this: what the error model leaves out is not small */
 #define GRAVITY_MPS2     9.8
+#define FIXED_SD_M       0.1 /* 3-D, of a position that is called fixed */
 
 /* ---- when was the epoch ----------------------------------------------------------------------------------------------- */
 
@@ -136,7 +137,7 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *bas
         add_noise(nav, pel_model_index(&nav->model, PEL_BLOCK_POSITION), MODE_CHANGE_SD_M * MODE_CHANGE_SD_M);
     }
     nav->relative = relative;
-    if (relative) { pel_nav_code_noise_apply(nav); }
+    if (relative) { pel_nav_noise_level_apply(nav); }
     return true;
 }
 
@@ -157,6 +158,14 @@ static void allow_for_coarse_attitude(pel_navigator_t *nav, const pel_antenna_t 
     const double arm = 0.5 * var * pel_norm3(ant->lever_e), arm_rate = 0.5 * var * pel_norm3(ant->lever_rate_e);
     add_noise(nav, ant->i_r, arm * arm);
     add_noise(nav, ant->i_v, arm_rate * arm_rate + felt * felt);
+}
+
+/* Validated phases that hold the position: three of them in a row would not. */
+static bool is_fixed(const pel_navigator_t *nav, const update_t *u)
+{
+    double P_r[3][3];
+    pel_nav_antenna_cov(nav, &u->ant, false, P_r);
+    return u->held_used >= 3 && P_r[0][0] + P_r[1][1] + P_r[2][2] < FIXED_SD_M * FIXED_SD_M;
 }
 
 void pel_nav_stop(pel_navigator_t *nav)
@@ -188,7 +197,7 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
 static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base, update_t *u)
 {
     pel_solution_t *out = &nav->epoch_solution;
-    nav->last_fix = !nav->relative ? PEL_FIX_SPP : (u->held_used >= 3) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
+    nav->last_fix = !nav->relative ? PEL_FIX_SPP : is_fixed(nav, u) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
     if (nav->last_fix == PEL_FIX_FIXED) { u->ints.reason = PEL_INT_OK; }
     nav->counters.epochs_used++;
     nav->last_epoch_ns = nav->at_horizon.t_ns;
@@ -274,7 +283,7 @@ static void judge_phases(pel_navigator_t *nav, const update_t *u)
     }
     pel_nav_integers_t later;
     memset(&later, 0, sizeof later);
-    if (nav->cfg.integers && u->ints.reason != PEL_INT_OK) { (void)pel_nav_track_resolve(nav, &later); }
+    if (nav->cfg.integers && u->ints.reason != PEL_INT_OK) { (void)pel_nav_track_resolve(nav, is_fixed(nav, u), &later); }
 }
 
 void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base)
@@ -304,7 +313,7 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
         const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
         inflated_by = allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
     }
-    pel_nav_code_noise_begin(nav, inflated_by);
+    pel_nav_noise_level_begin(nav, inflated_by);
     pel_nav_update_rows(nav, u);
     pel_nav_close_loop(nav);
     if (nav->relative) { judge_phases(nav, u); }

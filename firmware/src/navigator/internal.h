@@ -86,19 +86,20 @@ void pel_nav_update_rows(pel_navigator_t *nav, pel_nav_update_t *u);
 /* Satellites with any row in the last update. */
 int pel_nav_satellites_used(const pel_navigator_t *nav);
 
-/* ---- code_noise.c: how noisy the codes really are ---- */
+/* ---- noise_level.c: how noisy codes and phases really are ---- */
 
-void pel_nav_code_noise_init(pel_navigator_t *nav);
+void pel_nav_noise_level_init(pel_navigator_t *nav);
 
 /* Multiply the variances of nav->sd by what was learnt. */
-void pel_nav_code_noise_apply(pel_navigator_t *nav);
+void pel_nav_noise_level_apply(pel_navigator_t *nav);
 
 /* Before the rows of an epoch whose code variances were inflated for their correlation. */
-void pel_nav_code_noise_begin(pel_navigator_t *nav, double inflated_by);
+void pel_nav_noise_level_begin(pel_navigator_t *nav, double code_inflated_by);
 
-/* One code row: its innovation squared over its variance, which was var_state by the state and var_row by the code. While
- * code_noise.learning. */
-void pel_nav_code_noise_learn(pel_navigator_t *nav, const pel_sd_t *sd, double nis, double var_state, double var_row);
+/* One row of a code or of a phase with a validated integer: its innovation squared over its variance, which was var_state by
+ * the state and var_row by the measurement. kind: PEL_NAV_LEVEL_. While noise_level.learning. */
+void pel_nav_noise_level_learn(pel_navigator_t *nav, const pel_sd_t *sd, int kind, double nis, double var_state,
+                               double var_row);
 
 /* ---- channels.c: GLONASS phases, each on its own wavelength ---- */
 
@@ -157,8 +158,9 @@ void pel_nav_track_begin(pel_navigator_t *nav);
 void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out);
 void pel_nav_track_close_loop(pel_navigator_t *nav);
 
-/* After the update: integers of the float states, if they can be told; the filter is then conditioned on them. */
-bool pel_nav_track_resolve(pel_navigator_t *nav, pel_nav_integers_t *out);
+/* After the update: integers of the float states, if they can be told; the filter is then conditioned on them. held: validated
+ * phases hold the position already. */
+bool pel_nav_track_resolve(pel_navigator_t *nav, bool held, pel_nav_integers_t *out);
 
 /* ---- output.c ---- */
 

@@ -28,7 +28,7 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
     pel_imu_ring_init(&nav->ring);
     pel_nav_reset_alignment(nav);
     pel_nav_channels_init(nav);
-    pel_nav_code_noise_init(nav);
+    pel_nav_noise_level_init(nav);
 }
 
 static bool preset_uses_base(pel_preset_t p)

@@ -8,7 +8,7 @@
 #define GATE_SIGMA PEL_R(6.0) /* last gate on a whitened row; coarse errors are screened before */
 
 typedef pel_nav_update_t update_t;
-typedef enum { CODE = 0, PHASE = 1, RATE = 2 } kind_t;
+typedef enum { CODE = PEL_NAV_LEVEL_CODE, PHASE = PEL_NAV_LEVEL_PHASE, RATE = 2 } kind_t;
 
 static bool has_value(const pel_sd_t *sd, kind_t kind)
 {
@@ -140,6 +140,12 @@ static double make_row(const pel_navigator_t *nav, const update_t *u, int i, int
     return dd;
 }
 
+/* Does the row's innovation tell the level of noise? */
+static bool is_level(const update_t *u, int i, int pivot, kind_t kind)
+{
+    return kind == CODE || (kind == PHASE && u->phases.held[i] && u->phases.held[pivot]);
+}
+
 /* One kind of measurement of one group: double differences against the pivot, whitened, into the filter. */
 static void update_group(pel_navigator_t *nav, update_t *u, int first, int last, kind_t kind)
 {
@@ -156,13 +162,12 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         const pel_real r_i = (pel_real)variance(sd, kind);
         pel_real nis = 0;
         const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
-        const double var_state = (whitened && kind == CODE && nav->code_noise.learning)
-                                     ? (double)pel_ud_hph(&nav->ud, row.h, row.first)
-                                     : -1.0;
+        const bool learns = whitened && nav->noise_level.learning && is_level(u, i, pivot, kind);
+        const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
         const bool used =
             whitened && pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
-        if (used && var_state >= 0.0) {
-            pel_nav_code_noise_learn(nav, sd, (double)nis, var_state, (double)row.var);
+        if (used && learns) {
+            pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, (double)row.var);
         }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, row.h);

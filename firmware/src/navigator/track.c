@@ -11,11 +11,18 @@
 
 #define FLOAT_SD_M      30.0 /* of a new ambiguity, as range */
 #define RESOLVE_EPOCHS  2    /* of the youngest ambiguity that may be resolved */
-#define RESOLVE_AFTER_S 9.5  /* and its age: errors of phase last for seconds, epochs at once are one */
+#define RESOLVE_AFTER_S 0.9  /* and its age */
+#define RESOLVE_TRIES   6    /* searches an epoch: each leaves out one ambiguity more */
+#define FEWEST_ALONE    5    /* ambiguities that may be resolved together */
+#define TRIES_ALONE     2
+#define AGREE_ALONE     3
+#define AGREE_BESIDE_HELD 2
+#define FIT_ALONE       0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
+#define FIT_BESIDE_HELD 0.999
+#define MISFIT_FLOATS   5
 #define RESOLVE_RATIO   3.0
 #define RESOLVE_SUCCESS 0.99
 #define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
-#define RESOLVE_CHI2_P  0.999
 #define MULTIPATH_TAU_S 10.0 /* errors of a phase last this long: what they add to a float ambiguity is a random walk */
 #define WANDER_EVERY_S  0.9
 
@@ -311,71 +318,163 @@ void pel_nav_track_close_loop(pel_navigator_t *nav)
 
 /* ---- integers from the filter's own float ambiguities ------------------------------------------------------------------------- */
 
-/* Their values and covariance, written into the engine's own room. */
-static int collect(pel_navigator_t *nav, int index[PEL_MAX_AMB])
+/* Which of them take part. */
+typedef struct {
+    int n;
+    uint8_t entry[PEL_MAX_AMB]; /* index into nav->track.entry[] */
+} chosen_t;
+
+static chosen_t choose_settled(const pel_navigator_t *nav)
 {
-    double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
-    int n = 0;
-    for (int i = 0; i < nav->track.n && n < PEL_MAX_AMB; i++) {
+    chosen_t c = {0};
+    for (int i = 0; i < nav->track.n && c.n < PEL_MAX_AMB; i++) {
         const pel_tracked_t *t = &nav->track.entry[i];
         if (t->state >= 0 && t->epochs >= RESOLVE_EPOCHS &&
             pel_time_diff_s(nav->at_horizon.t_ns, t->since_ns) >= RESOLVE_AFTER_S) {
-            index[n++] = i;
+            c.entry[c.n++] = (uint8_t)i;
         }
     }
-    for (int r = 0; r < n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[index[r]];
-        a[r] = t->N;
-        for (int c = 0; c <= r; c++) {
-            Q[PEL_TRI(r) + c] = (double)pel_ud_cov(&nav->ud, t->state, nav->track.entry[index[c]].state);
-        }
-    }
-    return n;
+    return c;
 }
 
-static bool search(pel_navigator_t *nav, int n, pel_nav_integers_t *out)
+/* Values and covariance of the chosen, written into the engine's own room. */
+static void collect(pel_navigator_t *nav, const chosen_t *c)
+{
+    double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
+    for (int r = 0; r < c->n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
+        a[r] = t->N;
+        for (int k = 0; k <= r; k++) {
+            Q[PEL_TRI(r) + k] = (double)pel_ud_cov(&nav->ud, t->state, nav->track.entry[c->entry[k]].state);
+        }
+    }
+}
+
+static bool search(pel_navigator_t *nav, const chosen_t *c, double fit_p, int64_t N[PEL_MAX_AMB],
+                   pel_nav_integers_t *out)
 {
     const double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
-    if (pel_ils_init(&nav->ils, n, a, Q, 2, nav->cfg.node_budget) != PEL_OK) { return false; }
+    collect(nav, c);
+    if (pel_ils_init(&nav->ils, c->n, a, Q, 2, nav->cfg.node_budget) != PEL_OK) { return false; }
     const bool proved = pel_ils_run(&nav->ils, nav->cfg.node_budget) == PEL_OK;
-    out->n = n;
+    double sq = 0.0;
+    const bool found = pel_ils_get(&nav->ils, 0, N, &sq) == PEL_OK;
+    out->n = c->n;
     out->nodes = nav->ils.nodes;
     out->ratio = pel_ils_ratio(&nav->ils);
     out->success = pel_ils_success(&nav->ils);
-    double sq = 0.0;
-    const bool found = pel_ils_get(&nav->ils, 0, NULL, &sq) == PEL_OK;
-    out->reason = !proved || !found                                ? PEL_INT_BUDGET
-                  : (out->success < RESOLVE_SUCCESS)               ? PEL_INT_SUCCESS
-                  : (out->ratio < RESOLVE_RATIO)                   ? PEL_INT_RATIO
-                  : (sq > pel_chi2_threshold(n, RESOLVE_CHI2_P)) ? PEL_INT_CHI2
-                                                                   : PEL_INT_OK;
-    return out->reason == PEL_INT_OK;
+    out->reason = !proved || !found                          ? PEL_INT_BUDGET
+                  : (out->success < RESOLVE_SUCCESS)         ? PEL_INT_SUCCESS
+                  : (sq > pel_chi2_threshold(c->n, fit_p)) ? PEL_INT_CHI2
+                  : (out->ratio < RESOLVE_RATIO)             ? PEL_INT_RATIO
+                                                             : PEL_INT_OK;
+    return found;
 }
 
-bool pel_nav_track_resolve(pel_navigator_t *nav, pel_nav_integers_t *out)
+/* Leave out one: the least certain where the problem is weak, else the one farthest from its integer. */
+static void leave_one_out(const pel_navigator_t *nav, const int64_t N[PEL_MAX_AMB], bool weak, chosen_t *c)
 {
-    int index[PEL_MAX_AMB];
-    int64_t N[PEL_MAX_AMB];
-    const int n = collect(nav, index);
-    if (n < 4 || !search(nav, n, out) || pel_ils_get(&nav->ils, 0, N, NULL) != PEL_OK) { return false; }
-    for (int r = 0; r < n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[index[r]];
+    int worst = 0;
+    double most = -1.0;
+    for (int r = 0; r < c->n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
+        const double var = (double)pel_ud_cov(&nav->ud, t->state, t->state);
+        const double off = t->N - (double)N[r];
+        const double bad = weak ? var : off * off / var;
+        if (bad > most) {
+            most = bad;
+            worst = r;
+        }
+    }
+    c->n--;
+    for (int r = worst; r < c->n; r++) { c->entry[r] = c->entry[r + 1]; }
+}
+
+/* Condition the filter on the integers; their states go. */
+static void condition(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB])
+{
+    for (int r = 0; r < c->n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
         pel_real h[PEL_MAX_STATES] = {0};
         h[t->state] = PEL_R(1.0);
         (void)pel_ud_update(&nav->ud, h, t->state, (pel_real)(t->N - (double)N[r]),
                             (pel_real)(INTEGER_SD_CYC * INTEGER_SD_CYC), 0, NULL);
     }
-    for (int r = 0; r < n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[index[r]];
+    for (int r = 0; r < c->n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
         pel_tracked_t *datum = datum_of(nav, t->sys, t->carrier);
         if (datum != NULL) { datum->held = true; }
     }
     pel_nav_close_loop(nav);
-    for (int r = 0; r < n; r++) {
-        pel_tracked_t *t = &nav->track.entry[index[r]];
+    for (int r = 0; r < c->n; r++) {
+        pel_tracked_t *t = &nav->track.entry[c->entry[r]];
         remove_state(nav, t);
         t->N = (double)N[r];
         t->held = true;
     }
-    return true;
+}
+
+/* Searches at different epochs that agree are worth more than one that is sure of itself. True: each often enough. */
+static bool agree(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB], int often)
+{
+    bool all = true;
+    for (int r = 0; r < c->n; r++) {
+        pel_tracked_t *t = &nav->track.entry[c->entry[r]];
+        const bool same = t->agreed > 0 && t->candidate == (double)N[r];
+        t->agreed = (uint8_t)(!same ? 1 : (t->agreed < UINT8_MAX) ? t->agreed + 1 : UINT8_MAX);
+        t->candidate = (double)N[r];
+        all = all && t->agreed >= often;
+    }
+    return all;
+}
+
+/* Float ambiguities that fit no integers for long hold a slip that nobody saw: they begin anew. */
+static void watch_floats(pel_navigator_t *nav, const pel_nav_integers_t *out)
+{
+    const bool misfit = out->reason == PEL_INT_CHI2;
+    nav->track.misfit_floats = (uint8_t)(misfit ? nav->track.misfit_floats + 1 : 0);
+    if (nav->track.misfit_floats < MISFIT_FLOATS) { return; }
+    nav->track.misfit_floats = 0;
+    for (int i = nav->track.n - 1; i >= 0; i--) {
+        if (nav->track.entry[i].state >= 0) { drop(nav, i); }
+    }
+}
+
+/* On the position that held phases give, each ambiguity stands for itself. */
+static bool resolve_beside_held(pel_navigator_t *nav, pel_nav_integers_t *out)
+{
+    int64_t N[PEL_MAX_AMB];
+    chosen_t c = choose_settled(nav);
+    for (int t = 0; t < RESOLVE_TRIES && c.n >= 1; t++) {
+        if (!search(nav, &c, FIT_BESIDE_HELD, N, out)) { return false; }
+        if (out->reason == PEL_INT_OK) {
+            if (!agree(nav, &c, N, AGREE_BESIDE_HELD)) { return false; }
+            condition(nav, &c, N);
+            return true;
+        }
+        leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, &c);
+    }
+    return false;
+}
+
+static bool resolve_alone(pel_navigator_t *nav, pel_nav_integers_t *out)
+{
+    int64_t N[PEL_MAX_AMB];
+    chosen_t c = choose_settled(nav);
+    for (int t = 0; t < TRIES_ALONE && c.n >= FEWEST_ALONE; t++) {
+        if (!search(nav, &c, FIT_ALONE, N, out)) { return false; }
+        if (t == 0) { watch_floats(nav, out); }
+        if (out->reason == PEL_INT_OK) {
+            if (!agree(nav, &c, N, AGREE_ALONE)) { return false; }
+            condition(nav, &c, N);
+            return true;
+        }
+        leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, &c);
+    }
+    return false;
+}
+
+bool pel_nav_track_resolve(pel_navigator_t *nav, bool held, pel_nav_integers_t *out)
+{
+    return held ? resolve_beside_held(nav, out) : resolve_alone(nav, out);
 }
