@@ -122,7 +122,8 @@ typedef struct {
     bool held;     /* N is an integer that was validated */
     int16_t state; /* index of its filter state; -1: held, or the datum of its group */
     uint16_t epochs;
-    uint8_t agreed;      /* searches in a row that gave the same integer */
+    uint8_t agreed;      /* searches in a row that gave the same integer, since: */
+    pel_time_t agreed_since_ns;
     double N;            /* cycles, rover minus base, on the group's datum */
     double candidate;    /* that integer */
     pel_time_t since_ns; /* when a float one began */

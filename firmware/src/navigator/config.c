@@ -32,11 +32,11 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->sd_tilt_rad = 1.0 * PEL_DEG;
     cfg->sd_heading_rad = 5.0 * PEL_DEG;
 
-    /* Half a metre of code at the zenith and less trust in weak signals: receivers differ by a factor of ten, and a code believed
+    /* A third of a metre of code at the zenith and less trust in weak signals: receivers differ by a factor of ten, and a code believed
      * too much makes wrong integers, one believed too little only makes them later. */
     pel_noise_default(&cfg->noise);
-    cfg->noise.code_a_m = 0.35;
-    cfg->noise.code_b_m = 0.35;
+    cfg->noise.code_a_m = 0.25;
+    cfg->noise.code_b_m = 0.25;
     cfg->noise.cn0_ref_dbhz = 45.0;
     cfg->noise.iono_mm_per_km = 1.0;
     /* A receiver alone carries orbit, clock and atmosphere errors of metres, mostly slow. */

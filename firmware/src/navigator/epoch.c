@@ -276,14 +276,15 @@ static void prepare_phases(pel_navigator_t *nav, update_t *u)
 }
 
 /* Refused phases begin anew; float ones that have settled are resolved. */
-static void judge_phases(pel_navigator_t *nav, const update_t *u)
+static void judge_phases(pel_navigator_t *nav, update_t *u)
 {
     for (int i = 0; i < nav->sd.n; i++) {
         if (u->misfit[i]) { pel_nav_track_drop(nav, &nav->sd.sd[i]); }
     }
     pel_nav_integers_t later;
     memset(&later, 0, sizeof later);
-    if (nav->cfg.integers && u->ints.reason != PEL_INT_OK) { (void)pel_nav_track_resolve(nav, is_fixed(nav, u), &later); }
+    if (!nav->cfg.integers || u->ints.reason == PEL_INT_OK) { return; }
+    if (pel_nav_track_resolve(nav, is_fixed(nav, u), &later)) { u->held_used += later.n_fixed; }
 }
 
 void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base)

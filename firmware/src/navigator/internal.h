@@ -96,7 +96,7 @@ void pel_nav_noise_level_apply(pel_navigator_t *nav);
 /* Before the rows of an epoch whose code variances were inflated for their correlation. */
 void pel_nav_noise_level_begin(pel_navigator_t *nav, double code_inflated_by);
 
-/* One row of a code or of a phase with a validated integer: its innovation squared over its variance, which was var_state by
+/* One row of a code or a phase: its innovation squared over its variance, which was var_state by
  * the state and var_row by the measurement. kind: PEL_NAV_LEVEL_. While noise_level.learning. */
 void pel_nav_noise_level_learn(pel_navigator_t *nav, const pel_sd_t *sd, int kind, double nis, double var_state,
                                double var_row);

@@ -2,12 +2,12 @@
  *
  * Receivers differ by a factor of ten, their antennas and surroundings by as much again, and what a measurement is believed
  * decides how early integers are and how often they are wrong. So the variances of each system and carrier have a factor for the
- * code and one for the phase, begun at one with the weight of a few rows: the mean of squared innovations over their variance, of
- * those rows that tell more of the measurement than of the position. Derivation: docs/NAVIGATOR.md. */
+ * code and one for the phase, begun at one with the weight of a few rows: the mean of squared innovations over their variance,
+ * each row with the weight of what it tells of the measurement rather than of the position. Derivation: docs/NAVIGATOR.md. */
 #include "internal.h"
 
 #define LEARN_EVERY_S 0.9
-#define PRIOR_ROWS    10.0f
+#define PRIOR_ROWS    4.0f
 #define MEMORY_ROWS   400.0f /* and no longer: surroundings change */
 
 /* Limits of the factor of a variance. What wrong integers leave over must not make them look right. */
@@ -51,11 +51,12 @@ void pel_nav_noise_level_learn(pel_navigator_t *nav, const pel_sd_t *sd, int kin
 {
     pel_noise_level_t *c = &nav->noise_level;
     const double var = (kind == PEL_NAV_LEVEL_CODE) ? var_row / (double)c->code_inflated_by : var_row;
-    if (var_state > var) { return; }
-    pel_noise_factor_t *f = &c->of[kind][sd->sys][sd->carrier];
+    const double told = var / (var_state + var); /* the part of the innovation that is the measurement's */
+    const float weight = c->share * (float)(told * told);
     const float seen = (float)(nis * (var_state + var_row) / (var_state + var));
-    f->rows = (f->rows + c->share < MEMORY_ROWS) ? f->rows + c->share : MEMORY_ROWS;
-    f->factor += f->factor * (seen - 1.0f) * c->share / f->rows;
+    pel_noise_factor_t *f = &c->of[kind][sd->sys][sd->carrier];
+    f->rows = (f->rows + weight < MEMORY_ROWS) ? f->rows + weight : MEMORY_ROWS;
+    f->factor += f->factor * (seen - 1.0f) * weight / f->rows;
     if (f->factor < LEAST[kind]) { f->factor = LEAST[kind]; }
     if (f->factor > MOST[kind]) { f->factor = MOST[kind]; }
 }

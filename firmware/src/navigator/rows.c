@@ -140,12 +140,6 @@ static double make_row(const pel_navigator_t *nav, const update_t *u, int i, int
     return dd;
 }
 
-/* Does the row's innovation tell the level of noise? */
-static bool is_level(const update_t *u, int i, int pivot, kind_t kind)
-{
-    return kind == CODE || (kind == PHASE && u->phases.held[i] && u->phases.held[pivot]);
-}
-
 /* One kind of measurement of one group: double differences against the pivot, whitened, into the filter. */
 static void update_group(pel_navigator_t *nav, update_t *u, int first, int last, kind_t kind)
 {
@@ -162,7 +156,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         const pel_real r_i = (pel_real)variance(sd, kind);
         pel_real nis = 0;
         const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
-        const bool learns = whitened && nav->noise_level.learning && is_level(u, i, pivot, kind);
+        const bool learns = whitened && nav->noise_level.learning && kind != RATE;
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
         const bool used =
             whitened && pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;

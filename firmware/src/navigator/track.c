@@ -22,6 +22,7 @@
 #define MISFIT_FLOATS   5
 #define RESOLVE_RATIO   3.0
 #define RESOLVE_SUCCESS 0.99
+#define FAILURE_MAX     1e-2 /* a ratio that promises this (it keeps a tenth of it) makes up for a lower success */
 #define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
 #define MULTIPATH_TAU_S 10.0 /* errors of a phase last this long: what they add to a float ambiguity is a random walk */
 #define WANDER_EVERY_S  0.9
@@ -363,8 +364,9 @@ static bool search(pel_navigator_t *nav, const chosen_t *c, double fit_p, int64_
     out->nodes = nav->ils.nodes;
     out->ratio = pel_ils_ratio(&nav->ils);
     out->success = pel_ils_success(&nav->ils);
+    const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, FAILURE_MAX);
     out->reason = !proved || !found                          ? PEL_INT_BUDGET
-                  : (out->success < RESOLVE_SUCCESS)         ? PEL_INT_SUCCESS
+                  : !promised                                ? PEL_INT_SUCCESS
                   : (sq > pel_chi2_threshold(c->n, fit_p)) ? PEL_INT_CHI2
                   : (out->ratio < RESOLVE_RATIO)             ? PEL_INT_RATIO
                                                              : PEL_INT_OK;
@@ -391,8 +393,9 @@ static void leave_one_out(const pel_navigator_t *nav, const int64_t N[PEL_MAX_AM
 }
 
 /* Condition the filter on the integers; their states go. */
-static void condition(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB])
+static void condition(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB], pel_nav_integers_t *out)
 {
+    out->n_fixed = c->n;
     for (int r = 0; r < c->n; r++) {
         const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
         pel_real h[PEL_MAX_STATES] = {0};
@@ -414,18 +417,28 @@ static void condition(pel_navigator_t *nav, const chosen_t *c, const int64_t N[P
     }
 }
 
-/* Searches at different epochs that agree are worth more than one that is sure of itself. True: each often enough. */
-static bool agree(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB], int often)
+/* Note the best vector of this epoch, accepted or not. */
+static void note_candidates(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB])
 {
-    bool all = true;
     for (int r = 0; r < c->n; r++) {
         pel_tracked_t *t = &nav->track.entry[c->entry[r]];
         const bool same = t->agreed > 0 && t->candidate == (double)N[r];
+        if (!same) { t->agreed_since_ns = nav->at_horizon.t_ns; }
         t->agreed = (uint8_t)(!same ? 1 : (t->agreed < UINT8_MAX) ? t->agreed + 1 : UINT8_MAX);
         t->candidate = (double)N[r];
-        all = all && t->agreed >= often;
     }
-    return all;
+}
+
+/* Epochs that agree are worth more than one that is sure of itself. Far apart, with errors of their own, two are enough. */
+static bool agree(const pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB], int often)
+{
+    for (int r = 0; r < c->n; r++) {
+        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
+        const double span_s = pel_time_diff_s(nav->at_horizon.t_ns, t->agreed_since_ns);
+        const int enough = (span_s >= MULTIPATH_TAU_S) ? 2 : often;
+        if (t->candidate != (double)N[r] || t->agreed < enough) { return false; }
+    }
+    return true;
 }
 
 /* Float ambiguities that fit no integers for long hold a slip that nobody saw: they begin anew. */
@@ -447,9 +460,10 @@ static bool resolve_beside_held(pel_navigator_t *nav, pel_nav_integers_t *out)
     chosen_t c = choose_settled(nav);
     for (int t = 0; t < RESOLVE_TRIES && c.n >= 1; t++) {
         if (!search(nav, &c, FIT_BESIDE_HELD, N, out)) { return false; }
+        if (t == 0) { note_candidates(nav, &c, N); }
         if (out->reason == PEL_INT_OK) {
             if (!agree(nav, &c, N, AGREE_BESIDE_HELD)) { return false; }
-            condition(nav, &c, N);
+            condition(nav, &c, N, out);
             return true;
         }
         leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, &c);
@@ -463,10 +477,13 @@ static bool resolve_alone(pel_navigator_t *nav, pel_nav_integers_t *out)
     chosen_t c = choose_settled(nav);
     for (int t = 0; t < TRIES_ALONE && c.n >= FEWEST_ALONE; t++) {
         if (!search(nav, &c, FIT_ALONE, N, out)) { return false; }
-        if (t == 0) { watch_floats(nav, out); }
+        if (t == 0) {
+            note_candidates(nav, &c, N);
+            watch_floats(nav, out);
+        }
         if (out->reason == PEL_INT_OK) {
             if (!agree(nav, &c, N, AGREE_ALONE)) { return false; }
-            condition(nav, &c, N);
+            condition(nav, &c, N, out);
             return true;
         }
         leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, &c);
