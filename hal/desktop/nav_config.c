@@ -180,6 +180,8 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     }
     cfg->single_code_tau_s = within(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s, 0.0, 1e5);
     cfg->code_tau_s = within(c, "navigator.gnss.code_tau_s", cfg->code_tau_s, 0.0, 1e5);
+    cfg->phase_tau_s = within(c, "navigator.gnss.phase_tau_s", cfg->phase_tau_s, 0.0, 1e5);
+    cfg->learn_noise = config_file_bool(c, "navigator.gnss.learn_noise", cfg->learn_noise);
     cfg->noise.cn0_ref_dbhz = config_file_number(c, "navigator.gnss.cn0_ref_dbhz", cfg->noise.cn0_ref_dbhz);
     cfg->noise_single.cn0_ref_dbhz = cfg->noise.cn0_ref_dbhz;
     cfg->noise.iono_mm_per_km = within(c, "navigator.gnss.iono_mm_per_km", cfg->noise.iono_mm_per_km, 0.0, 1e3);

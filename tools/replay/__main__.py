@@ -9,7 +9,9 @@ import tempfile
 import time
 from pathlib import Path
 
-from pelorus_tools import cli
+import numpy as np
+
+from pelorus_tools import cli, eventlog
 from replay import recordings, rtklib, tracks
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -39,7 +41,7 @@ def call(command, allowed, verbose):
 
 
 def replay(entry, data, work, verbose=False):
-    """Run our programs on one recording; returns its track and figures."""
+    """Run our programs on one recording; returns its track, its figures and the epochs of the artificial outage."""
     work.mkdir(parents=True, exist_ok=True)
     capture = [a.format(data=data) for a in entry.capture]
     # Real recordings hold bytes that are rightly refused (truncated last frames, absurd ionospheres): 4 is no failure.
@@ -48,14 +50,30 @@ def replay(entry, data, work, verbose=False):
     if entry.config:
         (work / "config.toml").write_text(entry.config)
         config = ["--config", work / "config.toml"]
+    def run(name, *more):
+        call(["pelorus-sil", work / "capture.log", "-o", work / name, *config, *more], (0, 4), verbose)
+        # Where the recording is about a gap, what is said between epochs is the point.
+        return tracks.ours(work / name, at_epochs=not entry.sil)
+
     start = time.monotonic()
-    call(["pelorus-sil", work / "capture.log", "-o", work / "run.out", *config, *entry.sil], (0, 4), verbose)
+    track = run("run.out", *entry.sil)
     spent = time.monotonic() - start
-    # Where the recording is about a gap, what is said between epochs is the point.
-    track = tracks.ours(work / "run.out", at_epochs=not entry.sil)
     figures = entry.known(track, data)
     figures["seconds"] = round(spent, 2)
-    return track, figures
+    removed_ns = ()
+    if entry.refix and track.fixed.any():
+        gap = run("gap.out", "--outage", middle_of(work / "capture.log"))
+        removed_ns = track.t_ns[np.abs(track.t_ns[:, None] - gap.t_ns[None, :]).min(1) > 100_000_000]
+        figures["refix_s"] = tracks.refix_s(gap, removed_ns)
+    return track, figures, removed_ns
+
+
+def middle_of(capture):
+    """START,LENGTH of the 10 s that begin just before the middle of the rover's events."""
+    seen = [t_us for t_us, channel, _ in eventlog.events(eventlog.open_bytes(str(capture))) if channel == b"UART_ROVER"]
+    first = next(t_us for t_us, channel, _ in eventlog.events(eventlog.open_bytes(str(capture))) if channel in (b"UART_ROVER", b"UART_BASE"))
+    middle_us = seen[np.searchsorted(seen, (seen[0] + seen[-1]) / 2)]
+    return f"{(middle_us - first) * 1e-6 - 0.4:.3f},10"
 
 
 def numbers(values, digits, scale=1.0):
@@ -65,14 +83,14 @@ def numbers(values, digits, scale=1.0):
 def words(f):
     """The figures of one side of a row."""
     if f is None:
-        return ["", "", "", ""]
+        return ["", "", "", "", "", ""]
     share = f"{f['fixed']} ({100 * f['fixed'] / f['epochs']:.1f} %)" if f.get("fixed") else ("0" if f["epochs"] else "")
     wrong = f"{f['wrong']} ({100 * f['wrong'] / f['fixed']:.1f} %)" if f.get("fixed") and "wrong" in f else ""
     parts = []
     if "mean_enu_m" in f:
         parts.append(f"mean {numbers(f['mean_off_mm'], 1)} mm off, std {numbers(f['std_enu_m'], 1, 1e3)} mm ENU")
     if "up_m" in f:
-        parts.append("up {:.2f} to {:.2f} m".format(f["up_m"][0], f["up_m"][2]))
+        parts.append("up {:.2f} to {:.2f} m, jumps below {:.1f} cm".format(f["up_m"][0], f["up_m"][2], 100 * f["jump_max_m"]))
     if "gap_h_max_m" in f:
         how = "" if f["gap_said"] else " (silent: its last position and velocity carried on)"
         parts.append(f"in the gap {f['gap_h_rms_m']:.2f} m rms, {f['gap_h_max_m']:.2f} m at most{how}")
@@ -82,24 +100,25 @@ def words(f):
     if "vh_rms_mps" in f:
         parts.append(f"velocity {numbers(f['v_rms_mps'], 3)} m/s rms NED")
     if "h_median_m" in f:
-        parts.append(f"{100 * f['h_median_m']:.1f} cm median to {f['compared']} fixes of the receiver")
+        parts.append(f"{100 * f['h_median_m']:.1f} cm median to {f['compared']} fixes of the receiver, {f['far']} beyond 0.5 m")
     if "step_max_m" in f:
         parts.append(f"longest step {f['step_max_m']:.2f} m")
     expected = f"/{f['expected']}" if f.get("expected") else ""
-    return [f"{f['epochs']}{expected}", share, wrong, "; ".join(parts)]
+    first, again = (f"{f[k]:.0f} s" if k in f else "" for k in ("first_fix_s", "refix_s"))
+    return [f"{f['epochs']}{expected}", share, wrong, first, again, "; ".join(parts)]
 
 
-HEAD = ["recording", "who", "epochs", "fixed", "wrong fixes", "figures"]
+HEAD = ["recording", "who", "epochs", "fixed", "wrong fixes", "first", "again", "figures"]
 
 
 def table(results):
     rows = [HEAD]
     for r in results:
-        rows.append([r["name"], "Pelorus", *(words(r["ours"]) if r["ours"] else ["", "", "", r["failed"]])])
+        rows.append([r["name"], "Pelorus", *(words(r["ours"]) if r["ours"] else [""] * 5 + [r["failed"]])])
         if r["peer"]:
             rows.append(["  " + r["mode"], "RTKLIB", *words(r["peer"])])
         else:
-            rows.append(["  " + r["mode"], "", "", "", "", ""])
+            rows.append(["  " + r["mode"]] + [""] * (len(HEAD) - 1))
     width = [max(len(row[i]) for row in rows) for i in range(len(HEAD))]
     lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, width)).rstrip() for row in rows]
     return "\n".join([lines[0], "-" * len(lines[0]), *lines[1:]])
@@ -135,19 +154,22 @@ def body(argv):
                 continue
             work = keep / e.name.replace(" ", "-").replace(",", "")
             r = {"name": e.name, "mode": e.mode, "ours": None, "peer": None, "failed": ""}
-            ours = None
+            ours, removed_ns = None, ()
             try:
-                ours, r["ours"] = replay(e, data / e.folder, work, args.verbose)
+                ours, r["ours"], removed_ns = replay(e, data / e.folder, work, args.verbose)
             except Failed as why:
                 r["failed"] = str(why)
             if peer and e.peer:
                 work.mkdir(parents=True, exist_ok=True)
                 theirs = e.peer(data / e.folder, work)
                 r["peer"] = e.known(theirs, data / e.folder)
+                if len(removed_ns):
+                    r["peer"]["refix_s"] = tracks.refix_s(e.peer(data / e.folder, work, removed_ns), removed_ns)
                 if ours is not None and "h_rms_m" in r["peer"]:
                     r["peer"]["h_rms_same_m"] = e.known(tracks.common(theirs, ours), data / e.folder).get("h_rms_m")
             results.append(r)
     print(table(results))
+    print("fixed: share of the epochs solved; wrong: beyond 8 cm horizontally; first: seconds to the first fix; again: after 10 s removed in the middle")
     if args.json:
         Path(args.json).write_text(json.dumps(results, indent=1))
     return cli.MISSED if any(r["failed"] for r in results) else cli.DONE

@@ -1,7 +1,8 @@
 """One entry a recording: what goes in, how the firmware is set, what is known about the result, and RTKLIB's way.
 
 `known(track)` turns a track of either program into figures, so both are judged by the same yardstick. Paths in `capture`
-may hold {data}, the folder of the recording.
+may hold {data}, the folder of the recording. A peer is called with the folders of data and work and the rover's epochs to leave
+out, so that both lose the same 10 s.
 """
 
 from dataclasses import dataclass, field
@@ -20,9 +21,12 @@ class Recording:
     mode: str                      # words for the table
     capture: list                  # arguments of pelorus-capture
     known: Callable                # (track, data folder) -> figures
-    peer: Callable = None          # (data folder, work folder) -> track of RTKLIB
+    peer: Callable = None          # (data folder, work folder, epochs removed) -> track of RTKLIB
     config: str = ""               # [navigator] table
     sil: list = field(default_factory=list)
+    refix: bool = False            # also run with 10 s removed in the middle
+
+L1_ONLY = '[navigator]\ncarriers = ["L1"]\n'
 
 
 def radians_llh(lat, lon, h):
@@ -35,9 +39,19 @@ GEONET_BASE = (-3978242.4348, 3382841.1715, 3649902.7667)
 GEONET_ENU = np.array([-953.336, 3196.237, -6.400])
 
 
-def geonet_peer(data, work):
-    files = [data / n for n in ("07590920.05o", "30400920.05o", "07590920.05n", "30400920.05n")]
-    return rtklib.solve(work, 2, ["-m", 15, "-f", 2, "-sys", "G", "-r", *GEONET_BASE], *files)
+def geonet_peer(frequencies):
+    def run(data, work, removed_ns=()):
+        files = [data / n for n in ("07590920.05o", "30400920.05o", "07590920.05n", "30400920.05n")]
+        return rtklib.solve(work, 2, ["-m", 15, "-f", frequencies, "-sys", "G", "-r", *GEONET_BASE], *files, removed_ns=removed_ns)
+    return run
+
+
+GEONET_CAPTURE = ["--rover", "{data}/07590920.05o:rinex", "--base", "{data}/30400920.05o:rinex", "--nav", "{data}/07590920.05n",
+                  "--nav", "{data}/30400920.05n"]
+
+
+def geonet_known(track, _):
+    return tracks.baseline(track, GEONET_BASE, GEONET_ENU, 120)
 
 
 # ---- walk-imu-ubx-2025: handheld, one receiver and an IMU ------------------------------------------------------------------
@@ -76,7 +90,7 @@ def walk_known(track, data):
     return f
 
 
-def walk_peer(data, work):
+def walk_peer(data, work, _=()):
     obs, nav = rtklib.convert(data / "gnss_1730.ubx.gz", work, "ubx")
     return rtklib.solve(work, 0, ["-m", 10, "-f", 2, "-sys", "G,E"], obs, nav)
 
@@ -115,27 +129,44 @@ ATTITUDE_1 = radians_llh(35.134707705, 136.977577939, 104.853)
 ATTITUDE_ENU = np.array([-0.2232, -0.9647, 0.0096])
 
 
-def attitude_peer(data, work):
-    files = [rtklib.plain(data / n, work) for n in ("ant2_rover.obs.gz", "ant1_base.obs.gz", "base.nav.gz")]
-    return rtklib.solve(work, 2, ["-m", 15, "-f", 2, "-sys", "G,E,J", "-i", "-r", *ATTITUDE_1], *files)
+def attitude_peer(frequencies):
+    def run(data, work, removed_ns=()):
+        files = [rtklib.plain(data / n, work) for n in ("ant2_rover.obs.gz", "ant1_base.obs.gz", "base.nav.gz")]
+        return rtklib.solve(work, 2, ["-m", 15, "-f", frequencies, "-sys", "G,E,J", "-i", "-r", *ATTITUDE_1], *files, removed_ns=removed_ns)
+    return run
+
+
+ATTITUDE_CAPTURE = ["--rover", "{data}/ant2_rover.obs.gz:rinex", "--base", "{data}/ant1_base.obs.gz:rinex", "--nav", "{data}/base.nav.gz",
+                    "--base-ecef", "{:.4f},{:.4f},{:.4f}".format(*ATTITUDE_1)]
+
+
+def attitude_known(track, _):
+    return tracks.baseline(track, ATTITUDE_1, ATTITUDE_ENU, 301)
 
 
 FUJISAWA_BASE = (-3959400.631, 3385704.533, 3667523.111)
 
 
+FUJISAWA_CAPTURE = ["--rover", "{data}/SEPT265G.21O.gz:rinex", "--base", "{data}/3034265G.21O.gz:rinex", "--nav", "{data}/SEPT2650.21P.gz",
+                    "--base-ecef", "{},{},{}".format(*FUJISAWA_BASE)]
+
+
 def fujisawa_known(track, _):
-    """No truth: a fix whose height leaves the band of the README is counted as wrong."""
+    """No truth: the antenna hardly moves, so a fix is wrong whose height leaves the band of the README; jumps between fixed epochs."""
     f = tracks.shares(track, 360)
     up = tracks.enu(track.r_e, np.array(FUJISAWA_BASE))[track.fixed, 2]
     if up.size:
         f["wrong"] = int(np.sum((up < -1.5) | (up > -1.0)))
         f["up_m"] = [float(up.min()), float(np.median(up)), float(up.max())]
+        f["jump_max_m"] = tracks.largest_jump(track)
     return f
 
 
-def fujisawa_peer(data, work):
-    files = [rtklib.plain(data / n, work) for n in ("SEPT265G.21O.gz", "3034265G.21O.gz", "SEPT2650.21P.gz")]
-    return rtklib.solve(work, 2, ["-m", 15, "-f", 1, "-sys", "G,E", "-r", *FUJISAWA_BASE], *files)
+def fujisawa_peer(frequencies, systems):
+    def run(data, work, removed_ns=()):
+        files = [rtklib.plain(data / n, work) for n in ("SEPT265G.21O.gz", "3034265G.21O.gz", "SEPT2650.21P.gz")]
+        return rtklib.solve(work, 2, ["-m", 15, "-f", frequencies, "-sys", systems, "-r", *FUJISAWA_BASE], *files, removed_ns=removed_ns)
+    return run
 
 
 GALWAY_BASE = (3774696.5547, -596647.9083, 5089485.6511)
@@ -168,15 +199,28 @@ def galway_known(track, data):
     if fixed.any():
         d = tracks.enu(track.r_e, at.r_e[fixed][0])[fixed] - tracks.enu(at.r_e, at.r_e[fixed][0])[fixed]
         h = np.hypot(d[:, 0], d[:, 1])
-        # GGA has five decimals of a minute, 2 cm, and both solve different epochs of the same second: 10 cm is agreement.
-        f["wrong"], f["h_median_m"] = int(np.sum(h > 0.10)), float(np.median(h))
+        # GGA has five decimals of a minute, 2 cm, and the receiver's own fixes are no truth either.
+        f["wrong"], f["h_median_m"] = int(np.sum(h > tracks.WRONG_FIX_M)), float(np.median(h))
+        f["far"] = int(np.sum(h > 0.5))
     return f
 
 
-def galway_peer(data, work):
-    rover, nav = rtklib.convert(data / "rover-20181009-1221.ubx.gz", work, "ubx")
-    base, _ = rtklib.convert(data / "base-20181009-1220.ubx.gz", work, "ubx")
-    return rtklib.solve(work, 2, ["-m", 15, "-f", 1, "-sys", "G", "-r", *GALWAY_BASE], rover, base, nav)
+def galway_peer(glonass):
+    def run(data, work, removed_ns=()):
+        rover, nav = rtklib.convert(data / "rover-20181009-1221.ubx.gz", work, "ubx")
+        base, _ = rtklib.convert(data / "base-20181009-1220.ubx.gz", work, "ubx")
+        options = ["-p", 2, "-m", 15, "-f", 1, "-r", *GALWAY_BASE]
+        if glonass:
+            hold = work / "hold.conf"
+            hold.write_text("pos1-navsys=5\npos2-armode=fix-and-hold\npos2-gloarmode=on\n")
+            options = ["-k", hold, *options]
+        else:
+            options += ["-sys", "G"]
+        return rtklib.solve(work, 2, options, rover, base, nav, removed_ns=removed_ns)
+    return run
+
+
+GALWAY_CAPTURE = ["--rover", "{data}/rover-20181009-1221.ubx.gz:ubx", "--base", "{data}/base-20181009-1220.ubx.gz:ubx"]
 
 
 def yamatogawa_known(track, _):
@@ -190,9 +234,10 @@ def yamatogawa_known(track, _):
 YAMATOGAWA_BASE = (-3749943.5172, 3683398.2394, 3600629.5295)
 
 
-def yamatogawa_peer(data, work):
+def yamatogawa_peer(data, work, removed_ns=()):
     nav = rtklib.plain(data / "brdc0060.10n.gz", work)
-    return rtklib.solve(work, 2, ["-m", 15, "-f", 1, "-sys", "G", "-r", *YAMATOGAWA_BASE], data / "yamatogawa_rover.obs", data / "yamatogawa_master.obs", nav)
+    return rtklib.solve(work, 2, ["-m", 15, "-f", 1, "-sys", "G", "-r", *YAMATOGAWA_BASE], data / "yamatogawa_rover.obs", data / "yamatogawa_master.obs", nav,
+                        removed_ns=removed_ns)
 
 
 def hongkong_known(track, data):
@@ -202,14 +247,14 @@ def hongkong_known(track, data):
     return f
 
 
-def hongkong_peer(data, work):
+def hongkong_peer(data, work, _=()):
     return rtklib.solve(work, 0, ["-m", 15, "-sys", "G"], *(rtklib.plain(data / n, work) for n in ("rover.obs.gz", "hksc1180.19n.gz")))
 
 
 CANBERRA = radians_llh(-35.315523505, 149.010069087, 804.589)
 
 
-def canberra_peer(data, work):
+def canberra_peer(data, work, _=()):
     obs, nav = rtklib.convert(data / "missing-beidou-STR17.rtcm3", work, "rtcm3", "-tr", "2020/01/01", "0:0:0")
     return rtklib.solve(work, 0, ["-m", 10, "-sys", "G,E"], obs, nav)
 
@@ -217,30 +262,27 @@ def canberra_peer(data, work):
 COLDSTART = radians_llh(47.251296, 5.993346, 363.0)
 
 
-def coldstart_peer(data, work):
+def coldstart_peer(data, work, _=()):
     obs, nav = rtklib.convert(data / "coldstart.ubx.gz", work, "ubx")
     return rtklib.solve(work, 0, ["-m", 10, "-sys", "G,E"], obs, nav)
 
 
 ALL = [
-    Recording("geonet-0759-3040", "geonet-0759-3040", "RTK L1+L2, each epoch alone",
-              ["--rover", "{data}/07590920.05o:rinex", "--base", "{data}/30400920.05o:rinex", "--nav", "{data}/07590920.05n", "--nav", "{data}/30400920.05n"],
-              lambda t, d: tracks.baseline(t, GEONET_BASE, GEONET_ENU, 120), geonet_peer),
+    Recording("geonet-0759-3040", "geonet-0759-3040", "RTK L1+L2, 3 km", GEONET_CAPTURE, geonet_known, geonet_peer(2), refix=True),
+    Recording("geonet, L1", "geonet-0759-3040", "RTK L1, 3 km", GEONET_CAPTURE, geonet_known, geonet_peer(1), L1_ONLY, refix=True),
     Recording("walk-imu-ubx-2025", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_known, walk_peer, WALK_IMU),
     Recording("walk, without IMU", "walk-imu-ubx-2025", "single receiver", WALK_CAPTURE[:2], walk_known, walk_peer, WALK_GNSS),
     Recording("walk, 20 s removed", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_gap, None, WALK_IMU,
               ["--outage", "{:g},{:g}".format(*WALK_OUTAGE)]),
     Recording("walk, 20 s removed, without IMU", "walk-imu-ubx-2025", "single receiver", WALK_CAPTURE[:2], walk_gap, None, WALK_GNSS,
               ["--outage", "{:g},{:g}".format(*WALK_OUTAGE)]),
-    Recording("attitude-static-099m-2024", "attitude-static-099m-2024", "RTK, 0.99 m",
-              ["--rover", "{data}/ant2_rover.obs.gz:rinex", "--base", "{data}/ant1_base.obs.gz:rinex", "--nav", "{data}/base.nav.gz",
-               "--base-ecef", "{:.4f},{:.4f},{:.4f}".format(*ATTITUDE_1)],
-              lambda t, d: tracks.baseline(t, ATTITUDE_1, ATTITUDE_ENU, 301), attitude_peer),
-    Recording("fujisawa-car-2021265", "fujisawa-car-2021265", "RTK, car, 5 km",
-              ["--rover", "{data}/SEPT265G.21O.gz:rinex", "--base", "{data}/3034265G.21O.gz:rinex", "--nav", "{data}/SEPT2650.21P.gz",
-               "--base-ecef", "{},{},{}".format(*FUJISAWA_BASE)], fujisawa_known, fujisawa_peer),
-    Recording("galway-walk-20181009", "galway-walk-20181009", "RTK L1, urban walk",
-              ["--rover", "{data}/rover-20181009-1221.ubx.gz:ubx", "--base", "{data}/base-20181009-1220.ubx.gz:ubx"], galway_known, galway_peer),
+    Recording("attitude-static-099m-2024", "attitude-static-099m-2024", "RTK, 0.99 m", ATTITUDE_CAPTURE, attitude_known, attitude_peer(2), refix=True),
+    Recording("attitude, L1", "attitude-static-099m-2024", "RTK L1, 0.99 m", ATTITUDE_CAPTURE, attitude_known, attitude_peer(1), L1_ONLY, refix=True),
+    Recording("fujisawa-car-2021265", "fujisawa-car-2021265", "RTK, car, 5 km", FUJISAWA_CAPTURE, fujisawa_known, fujisawa_peer(3, "G,E,J"), refix=True),
+    Recording("fujisawa, L1", "fujisawa-car-2021265", "RTK L1, car, 5 km", FUJISAWA_CAPTURE, fujisawa_known, fujisawa_peer(1, "G,E"), L1_ONLY, refix=True),
+    Recording("galway-walk-20181009", "galway-walk-20181009", "RTK L1, urban walk", GALWAY_CAPTURE, galway_known, galway_peer(glonass=True), refix=True),
+    Recording("galway, GPS", "galway-walk-20181009", "RTK L1, urban walk", GALWAY_CAPTURE, galway_known, galway_peer(glonass=False),
+              '[navigator]\nsystems = ["gps"]\n', refix=True),
     Recording("yamatogawa-kinematic-2010", "yamatogawa-kinematic-2010", "RTK L1, half cycles",
               ["--rover", "{data}/yamatogawa_rover.obs:rinex", "--base", "{data}/yamatogawa_master.obs:rinex", "--nav", "{data}/brdc0060.10n.gz"],
               yamatogawa_known, yamatogawa_peer),

@@ -62,8 +62,26 @@ def rms(x, axis=0):
 
 
 def shares(track, expected):
-    """Epochs solved of those expected, and how many are fixed."""
-    return {"epochs": int(track.t_ns.size), "expected": expected, "fixed": int(track.fixed.sum())}
+    """Epochs solved of those expected, how many are fixed, and when the first is."""
+    f = {"epochs": int(track.t_ns.size), "expected": expected, "fixed": int(track.fixed.sum())}
+    if track.fixed.any():
+        f["first_fix_s"] = float(track.t_ns[np.argmax(track.fixed)] - track.t_ns[0]) * 1e-9
+    return f
+
+
+def refix_s(track, removed_ns):
+    """From the first epoch after those removed to the first fixed one; NaN if there is none."""
+    after = track.t_ns > np.max(removed_ns) + 100_000_000
+    fixed = after & track.fixed
+    return float(track.t_ns[np.argmax(fixed)] - track.t_ns[np.argmax(after)]) * 1e-9 if fixed.any() else float("nan")
+
+
+def largest_jump(track, longest_s=1.5):
+    """Largest departure of a fixed position from the straight line between its fixed neighbours, m: what steady motion does not explain."""
+    t = track.t_ns
+    three = track.fixed[:-2] & track.fixed[1:-1] & track.fixed[2:] & (t[2:] - t[:-2] < 2 * longest_s * 1e9)
+    off = track.r_e[1:-1] - 0.5 * (track.r_e[:-2] + track.r_e[2:])
+    return float(np.linalg.norm(off[three], axis=1).max()) if three.any() else 0.0
 
 
 def baseline(track, base, want_enu, expected):

@@ -55,7 +55,8 @@ typedef struct {
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
     bool no_ionosphere;              /* apply no ionosphere model: simulations without one */
     double single_code_tau_s;        /* correlation time of a single receiver's code errors */
-    double code_tau_s;               /* the same against a base: multipath */
+    double code_tau_s, phase_tau_s;  /* the same against a base: multipath. 0: white */
+    bool learn_noise;                /* fit the variances of codes and phases to what they leave over */
     float base_max_age_s;
     float base_wait_s;   /* hold a rover epoch up to this long for its base epoch */
     float apply_delay_s; /* hold an epoch this long, so that one that arrives out of order still counts */
@@ -122,7 +123,7 @@ typedef struct {
     bool held;     /* N is an integer that was validated */
     int16_t state; /* index of its filter state; -1: held, or the datum of its group */
     uint16_t epochs;
-    uint8_t agreed;      /* searches in a row that gave the same integer, since: */
+    uint8_t agreed; /* searches in a row that gave the same integer, since: */
     pel_time_t agreed_since_ns;
     double N;            /* cycles, rover minus base, on the group's datum */
     double candidate;    /* that integer */
@@ -140,7 +141,7 @@ typedef struct {
 
 typedef struct {
     int n;
-    uint8_t misfits; /* epochs in a row whose held phases did not fit */
+    uint8_t misfits;       /* epochs in a row whose held phases did not fit */
     uint8_t misfit_floats; /* searches in a row that no integers fitted */
     pel_time_t wandered_ns;
     pel_tracked_t entry[PEL_MAX_TRACKED];

@@ -47,6 +47,8 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->noise_single.doppler_b_mps = 0.05;
     cfg->single_code_tau_s = 60.0;
     cfg->code_tau_s = 5.0;
+    cfg->phase_tau_s = 10.0;
+    cfg->learn_noise = true;
     cfg->base_max_age_s = 10.0f;
     cfg->base_wait_s = 0.3f;
     cfg->apply_delay_s = 0.1f;

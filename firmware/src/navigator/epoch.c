@@ -312,7 +312,8 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
     if (nav->relative) {
         prepare_phases(nav, u);
         const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
-        inflated_by = allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
+        inflated_by =
+            allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
     }
     pel_nav_noise_level_begin(nav, inflated_by);
     pel_nav_update_rows(nav, u);

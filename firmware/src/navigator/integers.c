@@ -49,7 +49,8 @@ static double channel_sd_m(const pel_navigator_t *nav, const pel_sd_t *sd, const
     if (sd->sys != PEL_SYS_GLO) { return 0.0; }
     double N_pivot;
     const double code_m = pel_nav_track_number(nav, pivot, &N_pivot) ? 0.0 : PEL_NAV_DATUM_CODE_M;
-    const double slope_m = pel_min(pel_nav_channels_sd_m(nav, sd->carrier), CHANNEL_SD_MAX_M) * (double)(sd->glo_k - pivot->glo_k);
+    const double slope_m =
+        pel_min(pel_nav_channels_sd_m(nav, sd->carrier), CHANNEL_SD_MAX_M) * (double)(sd->glo_k - pivot->glo_k);
     const double number_m = code_m * (sd->lambda_m / pivot->lambda_m - 1.0);
     return pel_sqrt(slope_m * slope_m + number_m * number_m);
 }

@@ -39,7 +39,7 @@ void pel_nav_noise_level_begin(pel_navigator_t *nav, double code_inflated_by)
     pel_noise_level_t *c = &nav->noise_level;
     const double dt_s = pel_time_diff_s(nav->at_horizon.t_ns, c->learnt_ns);
     const bool first = c->learnt_ns == 0 || dt_s < 0.0;
-    c->learning = nav->relative && (first || dt_s >= LEARN_EVERY_S);
+    c->learning = nav->cfg.learn_noise && nav->relative && (first || dt_s >= LEARN_EVERY_S);
     c->code_inflated_by = (float)code_inflated_by;
     if (!c->learning) { return; }
     c->share = (float)(first ? 1.0 : pel_min(1.0, dt_s / pel_max(nav->cfg.code_tau_s, LEARN_EVERY_S)));

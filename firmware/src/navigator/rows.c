@@ -160,9 +160,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
         const bool used =
             whitened && pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
-        if (used && learns) {
-            pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, (double)row.var);
-        }
+        if (used && learns) { pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, (double)row.var); }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, row.h);
             nav->epoch_solution.nis += (float)nis;

@@ -9,23 +9,23 @@
 
 #include "pelorus/math.h"
 
-#define FLOAT_SD_M      30.0 /* of a new ambiguity, as range */
-#define RESOLVE_EPOCHS  2    /* of the youngest ambiguity that may be resolved */
-#define RESOLVE_AFTER_S 0.9  /* and its age */
-#define RESOLVE_TRIES   6    /* searches an epoch: each leaves out one ambiguity more */
-#define FEWEST_ALONE    5    /* ambiguities that may be resolved together */
-#define TRIES_ALONE     2
-#define AGREE_ALONE     3
+#define FLOAT_SD_M        30.0 /* of a new ambiguity, as range */
+#define RESOLVE_EPOCHS    2    /* of the youngest ambiguity that may be resolved */
+#define RESOLVE_AFTER_S   0.9  /* and its age */
+#define RESOLVE_TRIES     6    /* searches an epoch: each leaves out one ambiguity more */
+#define FEWEST_ALONE      5    /* ambiguities that may be resolved together */
+#define TRIES_ALONE       2
+#define AGREE_ALONE       3
 #define AGREE_BESIDE_HELD 2
-#define FIT_ALONE       0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
-#define FIT_BESIDE_HELD 0.999
-#define MISFIT_FLOATS   5
-#define RESOLVE_RATIO   3.0
-#define RESOLVE_SUCCESS 0.99
-#define FAILURE_MAX     1e-2 /* a ratio that promises this (it keeps a tenth of it) makes up for a lower success */
-#define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
-#define MULTIPATH_TAU_S 10.0 /* errors of a phase last this long: what they add to a float ambiguity is a random walk */
-#define WANDER_EVERY_S  0.9
+#define FIT_ALONE         0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
+#define FIT_BESIDE_HELD   0.999
+#define MISFIT_FLOATS     5
+#define RESOLVE_RATIO     3.0
+#define RESOLVE_SUCCESS   0.99
+#define FAILURE_MAX       1e-2 /* a ratio that promises this (it keeps a tenth of it) makes up for a lower success */
+#define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
+#define FAR_APART_S       10.0 /* epochs with errors of their own */
+#define WANDER_EVERY_S    0.9
 
 static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
 {
@@ -275,12 +275,14 @@ void pel_nav_track_begin(pel_navigator_t *nav)
     }
 }
 
-/* A phase's multipath lasts for seconds: taken as white it would make float ambiguities surer than they are. */
+/* A phase's multipath lasts for seconds: taken as white it would make float ambiguities surer than they are. What it adds to one is a
+ * random walk. */
 void pel_nav_track_wander(pel_navigator_t *nav)
 {
     const double dt_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->track.wandered_ns);
+    if (!(nav->cfg.phase_tau_s > 0.0)) { return; }
     if (nav->track.wandered_ns != 0 && dt_s >= 0.0 && dt_s < WANDER_EVERY_S) { return; }
-    const double share = pel_min(2.0 * dt_s / MULTIPATH_TAU_S, 2.0);
+    const double share = pel_min(2.0 * dt_s / nav->cfg.phase_tau_s, 2.0);
     const bool first = nav->track.wandered_ns == 0 || dt_s < 0.0;
     nav->track.wandered_ns = nav->at_horizon.t_ns;
     for (int i = 0; !first && i < nav->sd.n; i++) {
@@ -365,11 +367,11 @@ static bool search(pel_navigator_t *nav, const chosen_t *c, double fit_p, int64_
     out->ratio = pel_ils_ratio(&nav->ils);
     out->success = pel_ils_success(&nav->ils);
     const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, FAILURE_MAX);
-    out->reason = !proved || !found                          ? PEL_INT_BUDGET
-                  : !promised                                ? PEL_INT_SUCCESS
+    out->reason = !proved || !found                        ? PEL_INT_BUDGET
+                  : !promised                              ? PEL_INT_SUCCESS
                   : (sq > pel_chi2_threshold(c->n, fit_p)) ? PEL_INT_CHI2
-                  : (out->ratio < RESOLVE_RATIO)             ? PEL_INT_RATIO
-                                                             : PEL_INT_OK;
+                  : (out->ratio < RESOLVE_RATIO)           ? PEL_INT_RATIO
+                                                           : PEL_INT_OK;
     return found;
 }
 
@@ -435,7 +437,7 @@ static bool agree(const pel_navigator_t *nav, const chosen_t *c, const int64_t N
     for (int r = 0; r < c->n; r++) {
         const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
         const double span_s = pel_time_diff_s(nav->at_horizon.t_ns, t->agreed_since_ns);
-        const int enough = (span_s >= MULTIPATH_TAU_S) ? 2 : often;
+        const int enough = (span_s >= FAR_APART_S) ? 2 : often;
         if (t->candidate != (double)N[r] || t->agreed < enough) { return false; }
     }
     return true;
