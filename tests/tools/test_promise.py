@@ -52,7 +52,7 @@ def test_a_covariance_that_is_too_small_breaks_it_and_is_seen(optimistic):
 
 
 def test_a_promise_does_not_refuse_everything(honest):
-    """Nine in a thousand of these epochs are wrong at ratio 2; a tenth of that is promised, and more is fixed."""
+    """0.1 % promised fixes more than two thirds, with fewer wrong ones than ratio 2 accepts."""
     assert whole(honest, "promise", 0.001).fixed > 0.7 * EPOCHS
     assert whole(honest, "promise", 0.001).wrong < whole(honest, "ratio", 2.0).wrong
 
