@@ -57,6 +57,12 @@ def test_a_promise_does_not_refuse_everything(honest):
     assert whole(honest, "promise", 0.001).wrong < whole(honest, "ratio", 2.0).wrong
 
 
+def test_the_proved_bound_is_the_stricter_one(honest):
+    for limit in (0.01, 0.001):
+        promise, proved = whole(honest, "promise", limit), whole(honest, "proved", limit)
+        assert proved.fixed < promise.fixed and proved.wrong <= promise.wrong
+
+
 def test_the_verdicts_only_take_away(honest):
     for r in honest:
         assert r.believed <= r.fixed <= r.epochs - r.unsolved and r.believed_wrong <= r.wrong <= r.wrong_unchecked

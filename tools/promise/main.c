@@ -21,17 +21,19 @@ static const cli_program_t program = {
     .options = options,
     .n_options = sizeof options / sizeof options[0],
     .notes = "Epochs are sorted into classes by the number of integers, and by the bootstrapped failure rate P of the\n"
-             "model. `wrong` counts what the ratio alone accepts; `believed` what all verdicts accept.\n"};
+             "model. `wrong` counts what the ratio alone accepts; `believed` what all verdicts accept. `proved` is\n"
+             "pel_ils_ratio_bound(), `promise` pel_ils_ratio_needed().\n"};
 
-/* What decides: a promised failure rate, or a fixed ratio. */
+/* What decides: a promised failure rate, the proved bound of one alone, or a fixed ratio. */
 typedef struct {
     const char *name;
-    double failure_max, ratio_min;
+    double failure_max, bound_of, ratio_min;
 } rule_t;
 
 static const rule_t rules[] = {
-    {"promise", 0.1, 1.0}, {"promise", 0.01, 1.0}, {"promise", 0.001, 1.0}, {"promise", 0.0001, 1.0},
-    {"ratio", 0.0, 1.5},   {"ratio", 0.0, 2.0},    {"ratio", 0.0, 3.0},
+    {"promise", 0.1, 0.0, 1.0},  {"promise", 0.01, 0.0, 1.0}, {"promise", 0.001, 0.0, 1.0},
+    {"promise", 1e-4, 0.0, 1.0}, {"proved", 0.0, 0.01, 1.0},  {"proved", 0.0, 0.001, 1.0},
+    {"ratio", 0.0, 0.0, 1.5},    {"ratio", 0.0, 0.0, 2.0},    {"ratio", 0.0, 0.0, 3.0},
 };
 #define RULES ((int)(sizeof rules / sizeof rules[0]))
 
@@ -73,7 +75,7 @@ static outcome_t resolve(const promise_epoch_t *e, pel_ils_t *ils)
         pel_int_limits_t limits;
         pel_int_verdict_t v;
         pel_int_limits_default(&limits);
-        limits.ratio_min = rules[k].ratio_min;
+        limits.ratio_min = (rules[k].bound_of > 0.0) ? pel_ils_ratio_bound(ils, rules[k].bound_of) : rules[k].ratio_min;
         limits.failure_max = rules[k].failure_max;
         (void)pel_int_validate(&e->problem, ils, &limits, &v);
         o.fixed[k] = (v.failed & (1u << PEL_INT_RATIO)) == 0;
@@ -110,7 +112,8 @@ static void print(const tally_t *t, const class_t *c, bool csv)
         (void)snprintf(name, sizeof name, (c->name[0] == 'n') ? "n %g..%g" : "all", c->low, c->high - 1.0);
     }
     for (int k = 0; k < RULES; k++) {
-        const double limit = (rules[k].failure_max > 0.0) ? rules[k].failure_max : rules[k].ratio_min;
+        const double rate = rules[k].failure_max + rules[k].bound_of;
+        const double limit = (rate > 0.0) ? rate : rules[k].ratio_min;
         printf(csv ? "%s,%s,%g,%d,%d,%d,%d,%d,%d,%d\n" : "%-16s %-8s %7g %8d %6d %8d %8d %7d %8d %7d\n", name,
                rules[k].name, limit, t->epochs, t->unsolved, t->wrong, t->fixed[k], t->fixed_wrong[k], t->believed[k],
                t->believed_wrong[k]);
