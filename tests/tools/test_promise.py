@@ -3,9 +3,10 @@
 import os
 import shutil
 
+import numpy as np
 import pytest
 from promise.__main__ import clopper_pearson, draw, simulate
-from scipy.stats import binom
+from scipy.stats import binom, chi2, norm
 
 EPOCHS = 5000
 
@@ -71,6 +72,31 @@ def test_the_verdicts_only_take_away(honest):
 def test_the_same_seed_gives_the_same_counts_and_another_others(program):
     assert simulate(300, 1.0, seed=5, program=program) == simulate(300, 1.0, seed=5, program=program)
     assert simulate(300, 1.0, seed=5, program=program) != simulate(300, 1.0, seed=6, program=program)
+
+
+def wrong_of_one_weak(c, sd, n):
+    """Exact probability that a wrong vector wins by the ratio c: one ambiguity of this standard deviation, n - 1 sure ones whose share of
+    both norms is chi-square."""
+    total, step = 0.0, 1.0 / sd
+    for wrong_by in (1, 2, 3):
+        x = np.linspace((wrong_by - 0.5) * step, (wrong_by + 0.5) * step, 801)
+        near = np.abs(x - wrong_by * step)
+        room = ((step - near) ** 2 - c * near**2) / (c - 1.0)
+        total += 2.0 * np.trapezoid(norm.pdf(x) * chi2.cdf(room, n - 1), x)
+    return total
+
+
+def test_the_law_keeps_its_promise_where_one_ambiguity_is_weak_and_all_others_are_sure():
+    """The law of docs/INTEGERS.md; test_ratio.c holds the library to it where simulation can."""
+    most = 0.0
+    for n in (2, 3, 5, 8, 12, 24, 40):
+        for failure in (0.1, 0.05, 0.01, 0.001, 0.0001):
+            for sd in np.arange(0.1, 0.6, 0.02):
+                P = 2.0 * norm.sf(0.5 / sd)
+                if P > failure:
+                    most = max(most, wrong_of_one_weak((P / failure) ** (2.8 / n + 0.01), sd, n) / failure)
+    print(f"\nat most {100 * most:.2f} % of the promise used")
+    assert 0.9 < most <= 1.0
 
 
 def test_clopper_pearson_holds_its_tails():
