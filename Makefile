@@ -23,6 +23,9 @@ check: ## format, warnings with gcc and clang, clang-tidy, cppcheck, headers, sy
 bench: all ## instructions per IMU step, row and epoch, beside the budgets
 	@cmake/bootstrap.sh bench && build/bin/pelorus-bench $(ARGS)
 
+promise: all ## wrong fixes of simulated epochs beside the promised rate: table, docs/img/promise.png
+	@$(PYTHON) -m promise $(ARGS)
+
 replay: all ## replay real recordings, one table
 	@cmake/bootstrap.sh test && $(PYTHON) -m replay $(ARGS)
 
@@ -38,4 +41,4 @@ clean: ## remove what was built, keep what was fetched
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-.PHONY: all demo test firmware check bench replay format asan clean help
+.PHONY: all demo test firmware check bench promise replay format asan clean help

@@ -149,10 +149,14 @@ double pel_ils_success(const pel_ils_t *s);
 double pel_ils_adop(const pel_ils_t *s);
 
 /* Ratio from which on a wrong vector is accepted with at most this probability, for this n and these variances: 1 for a strong model,
- * large for a weak one (at most 1e9). 0 if s is empty; failure_max in (0, 1).
- * Cost about 120 n exponentials. Reference: a bound of our own, docs/INTEGERS.md; Verhagen, Teunissen (2013), GPS Solutions 17, for the
- * fixed failure rate. */
+ * large for a weak one (at most 1e9). 0 if s is empty; failure_max in (0, 1). Probability of all epochs, not of those accepted.
+ * The smaller of pel_ils_ratio_bound() and, for failure_max 1e-4..0.1, of (P / failure_max)^(2.8 / n + 0.01) with P = 1 -
+ * pel_ils_success(): a law found by simulation (make promise), not proved.
+ * Cost as pel_ils_ratio_bound(). Reference: docs/INTEGERS.md; Verhagen, Teunissen (2013), GPS Solutions 17, for the fixed failure rate. */
 double pel_ils_ratio_needed(const pel_ils_t *s, double failure_max);
+
+/* The same as a proved bound: two to four times as large where the model is weak. Cost about 120 n exponentials. */
+double pel_ils_ratio_bound(const pel_ils_t *s, double failure_max);
 
 /* No vector that was not visited has a smaller squared norm than this. Equals the bound of the last candidate once optimal. */
 double pel_ils_lower_bound(const pel_ils_t *s);

@@ -1,0 +1,1 @@
+"""False fixes of simulated epochs beside the rate that was promised."""
