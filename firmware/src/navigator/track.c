@@ -22,7 +22,7 @@
 #define MISFIT_FLOATS     5
 #define RESOLVE_RATIO     3.0
 #define RESOLVE_SUCCESS   0.99
-#define FAILURE_MAX       1e-2 /* a ratio that promises this (it keeps a tenth of it) makes up for a lower success */
+#define FAILURE_MAX       5e-3 /* a ratio that promises this (it keeps a tenth of it) makes up for a lower success */
 #define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
 #define FAR_APART_S       10.0 /* epochs with errors of their own */
 #define WANDER_EVERY_S    0.9
