@@ -189,6 +189,7 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     cfg->base_wait_s = (float)within(c, "navigator.gnss.base_wait_s", (double)cfg->base_wait_s, 0.0, 60.0);
     cfg->integers = config_file_bool(c, "navigator.integers.enable", cfg->integers);
     cfg->ratio_min = (float)within(c, "navigator.integers.ratio_min", (double)cfg->ratio_min, 1.0, 1e6);
+    cfg->failure_max = (float)within(c, "navigator.integers.failure_max", (double)cfg->failure_max, 0.0, 1.0);
     cfg->success_min = (float)within(c, "navigator.integers.success_min", (double)cfg->success_min, 0.0, 1.0);
     const int64_t nodes = config_file_integer(c, "navigator.integers.node_budget", cfg->node_budget);
     if (nodes < 1 || nodes > 1000000000) {

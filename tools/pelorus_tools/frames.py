@@ -55,7 +55,7 @@ NAV_COUNTERS = (
     "sats_no_eph", "sats_unhealthy", "sats_low", "sats_excluded",
     "slip_lock", "slip_half_cycle", "slip_geometry_free", "slip_doppler", "slip_ins", "clock_jumps",
     "fix_tried", "fix_ok", "fix_ratio", "fix_chi2", "fix_band", "fix_prior", "fix_success", "fix_budget",
-    "restarts", "numeric_faults", "coast_epochs", "events", "events_refused")
+    "restarts", "numeric_faults", "coast_epochs", "events", "events_refused", "fix_released")
 WIRE_COUNTERS = ("frames", "noise_bytes", "bad_checksum", "bad_length", "bad_value", "unknown", "duplicate", "time_back",
                  "gap", "overflow")
 WIRE_DTYPE = _dtype(*((name, "u4") for name in WIRE_COUNTERS))

@@ -61,7 +61,8 @@ typedef struct {
     float base_wait_s;   /* hold a rover epoch up to this long for its base epoch */
     float apply_delay_s; /* hold an epoch this long, so that one that arrives out of order still counts */
 
-    float ratio_min;     /* second best over best */
+    float ratio_min;     /* second best over best, at least */
+    float failure_max;   /* and as large as keeps wrong integers below this probability (pel_ils_ratio_needed()) */
     float success_min;   /* bootstrapped success rate of the search problem */
     int32_t node_budget; /* search nodes an epoch */
     bool integers;       /* resolve integers at all */
@@ -165,6 +166,11 @@ typedef struct {
     pel_noise_factor_t of[PEL_NAV_LEVELS][PEL_N_SYS][PEL_N_CARRIER];
 } pel_noise_level_t;
 
+/* What the codes leave over at the position of held integers (navigator/hold_watch.c). Private. */
+typedef struct {
+    double s[3], M[3][3]; /* sums of h z / var and h h' / var */
+} pel_hold_watch_t;
+
 /* Outcome of the integers of one epoch. */
 typedef struct {
     pel_int_reason_t reason;
@@ -244,6 +250,7 @@ typedef struct pel_navigator_t {
     pel_ils_t ils;
     pel_track_t track;
     pel_noise_level_t noise_level;
+    pel_hold_watch_t hold_watch;
     pel_nav_update_t update;
 
     pel_pose_ring_t poses;

@@ -92,6 +92,7 @@ typedef struct {
     uint32_t fix_tried, fix_ok, fix_ratio, fix_chi2, fix_band, fix_prior, fix_success, fix_budget;
     uint32_t restarts, numeric_faults, coast_epochs;
     uint32_t events, events_refused;
+    uint32_t fix_released; /* times held integers were given up because they did not fit any more */
 } pel_nav_counters_t;
 
 /* What was asked for and what takes part, with the reason for each difference. */

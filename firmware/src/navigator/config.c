@@ -54,7 +54,8 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->apply_delay_s = 0.1f;
 
     cfg->ratio_min = 2.0f;
-    cfg->success_min = 0.9f;
+    cfg->failure_max = 1e-3f;
+    cfg->success_min = 0.5f;
     cfg->node_budget = 10000;
     cfg->integers = true;
 }

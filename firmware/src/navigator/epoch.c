@@ -14,6 +14,7 @@
 #define LOST_SD_M        20.0
 #define COARSE_RAD       (1.0 * PEL_DEG) /* attitude known worse than this: what the error model leaves out is not small */
 #define GRAVITY_MPS2     9.8
+#define RELEASE_SD_M     1.0
 #define FIXED_SD_M       0.1 /* 3-D, of a position that is called fixed */
 
 /* ---- when was the epoch ----------------------------------------------------------------------------------------------- */
@@ -175,6 +176,15 @@ void pel_nav_stop(pel_navigator_t *nav)
     nav->have_state = false;
 }
 
+/* Held integers that are not believed any more take with them what the filter made of them. */
+static void release(pel_navigator_t *nav)
+{
+    nav->counters.fix_released++;
+    pel_nav_track_clear(nav);
+    pel_nav_hold_watch_reset(nav);
+    add_noise(nav, pel_model_index(&nav->model, PEL_BLOCK_POSITION), RELEASE_SD_M * RELEASE_SD_M);
+}
+
 /* A filter that refuses its measurements for many epochs, or lost its factors, starts again and says so. */
 static void watch_health(pel_navigator_t *nav, const update_t *u)
 {
@@ -184,7 +194,8 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     if (broken) { nav->counters.numeric_faults++; }
     const bool phases_misfit = u->held_refused > u->held_used;
     nav->track.misfits = (uint8_t)(phases_misfit ? nav->track.misfits + 1 : 0);
-    if (nav->track.misfits >= MAX_MISFITS) { pel_nav_track_clear(nav); }
+    const bool contradicted = u->held_used >= 3 && pel_nav_hold_watch_contradicts(nav);
+    if (nav->track.misfits >= MAX_MISFITS || contradicted) { release(nav); }
     if (!broken && nav->doubts < MAX_DOUBTS) { return; }
     nav->counters.restarts++;
     nav->epoch_solution.flags |= PEL_SOL_RESTARTED;
@@ -316,6 +327,7 @@ void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
             allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
     }
     pel_nav_noise_level_begin(nav, inflated_by);
+    pel_nav_hold_watch_age(nav, pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns));
     pel_nav_update_rows(nav, u);
     pel_nav_close_loop(nav);
     if (nav->relative) { judge_phases(nav, u); }

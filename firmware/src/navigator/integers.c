@@ -8,9 +8,6 @@
 #define MASK_STEP_RAD (5.0 * PEL_DEG)
 #define MAX_TRIES     8 /* half a cycle on one of seven satellites is found with as many */
 #define PRIOR_SIGMAS  5.0
-/* Below this success rate of the search problem the second best must be this much farther away. */
-#define SURE_SUCCESS        0.99
-#define UNSURE_RATIO_FACTOR 1.5
 /* As long as the slope of GLONASS channels is not known, two receivers of one make are supposed: if they are not, the misfit tells. */
 #define CHANNEL_SD_MAX_M 0.001
 
@@ -146,15 +143,15 @@ void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integ
     limits.ratio_min = (double)nav->cfg.ratio_min;
     limits.success_min = (double)nav->cfg.success_min;
     limits.prior_sigma = PRIOR_SIGMAS;
+    limits.failure_max = (double)nav->cfg.failure_max;
     pel_int_verdict_t verdict;
     memset(&verdict, 0, sizeof verdict);
     const pel_status_t status = pel_amb_resolve(p, &nav->ils, &limits, nav->cfg.node_budget, MAX_TRIES, N, &verdict);
     out->ratio = verdict.ratio;
     out->success = verdict.success;
     out->nodes = nav->ils.nodes;
-    const bool unsure = verdict.success < SURE_SUCCESS && verdict.ratio < UNSURE_RATIO_FACTOR * limits.ratio_min;
-    out->reason = (status < 0) ? PEL_INT_FEW : (status == PEL_OK && unsure) ? PEL_INT_RATIO : verdict.reason;
-    if (status == PEL_OK && !unsure) {
+    out->reason = (status < 0) ? PEL_INT_FEW : verdict.reason;
+    if (status == PEL_OK) {
         out->reason = PEL_INT_OK;
         for (int r = 0; r < p->n_rows; r++) {
             if (!p->row[r].integer || N[r] > INT32_MAX || N[r] < INT32_MIN) { continue; }

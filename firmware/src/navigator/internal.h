@@ -101,6 +101,15 @@ void pel_nav_noise_level_begin(pel_navigator_t *nav, double code_inflated_by);
 void pel_nav_noise_level_learn(pel_navigator_t *nav, const pel_sd_t *sd, int kind, double nis, double var_state,
                                double var_row);
 
+/* ---- hold_watch.c: do the codes agree with the held integers? ---- */
+
+void pel_nav_hold_watch_reset(pel_navigator_t *nav);
+void pel_nav_hold_watch_age(pel_navigator_t *nav, double dt_s);
+
+/* One whitened code row of an epoch whose phases hold the position, before its update; i_r: first position state. */
+void pel_nav_hold_watch_row(pel_navigator_t *nav, const pel_row_t *row, int i_r);
+bool pel_nav_hold_watch_contradicts(const pel_navigator_t *nav);
+
 /* ---- channels.c: GLONASS phases, each on its own wavelength ---- */
 
 #define PEL_NAV_DATUM_CODE_M 3.0 /* a GLONASS datum comes from one code, rover minus base: 1 sigma */

@@ -156,6 +156,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         const pel_real r_i = (pel_real)variance(sd, kind);
         pel_real nis = 0;
         const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
+        if (whitened && kind == CODE && u->held_used >= 3) { pel_nav_hold_watch_row(nav, &row, u->ant.i_r); }
         const bool learns = whitened && nav->noise_level.learning && kind != RATE;
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
         const bool used =

@@ -22,7 +22,7 @@
 #define MISFIT_FLOATS     5
 #define RESOLVE_RATIO     3.0
 #define RESOLVE_SUCCESS   0.99
-#define FAILURE_MAX       5e-3 /* a ratio that promises this (it keeps a tenth of it) makes up for a lower success */
+#define FAILURE_FACTOR  5.0 /* epochs that agree may each promise this much less */
 #define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
 #define FAR_APART_S       10.0 /* epochs with errors of their own */
 #define WANDER_EVERY_S    0.9
@@ -366,7 +366,7 @@ static bool search(pel_navigator_t *nav, const chosen_t *c, double fit_p, int64_
     out->nodes = nav->ils.nodes;
     out->ratio = pel_ils_ratio(&nav->ils);
     out->success = pel_ils_success(&nav->ils);
-    const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, FAILURE_MAX);
+    const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, FAILURE_FACTOR * (double)nav->cfg.failure_max);
     out->reason = !proved || !found                        ? PEL_INT_BUDGET
                   : !promised                              ? PEL_INT_SUCCESS
                   : (sq > pel_chi2_threshold(c->n, fit_p)) ? PEL_INT_CHI2

@@ -2,7 +2,7 @@
 
 /* Layouts of the counters and of "asked and used"; docs/FORMATS.md numbers every byte. */
 
-#define N_NAV_COUNTERS  35u
+#define N_NAV_COUNTERS  36u
 #define N_WIRE_COUNTERS 10u
 _Static_assert(sizeof(pel_nav_counters_t) == 4u * N_NAV_COUNTERS, "a counter is missing below and in docs/FORMATS.md");
 _Static_assert(sizeof(pel_wire_counters_t) == 4u * N_WIRE_COUNTERS,
@@ -45,6 +45,7 @@ static void nav_counter_fields(pel_leio_t *io, pel_nav_counters_t *c)
     pel_le_io_u32(io, &c->coast_epochs);
     pel_le_io_u32(io, &c->events);
     pel_le_io_u32(io, &c->events_refused);
+    pel_le_io_u32(io, &c->fix_released);
 }
 
 static void wire_counter_fields(pel_leio_t *io, pel_wire_counters_t *c)

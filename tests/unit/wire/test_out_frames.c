@@ -35,7 +35,7 @@ static void expect_payload(size_t n, size_t n_frame)
 
 #define SOLUTION_BYTES 252u
 #define USED_BYTES     89u
-#define COUNTERS_BYTES 268u
+#define COUNTERS_BYTES 272u
 #define EVENT_BYTES    97u
 
 static void solutions_return(void)
