@@ -234,7 +234,8 @@ typedef struct {
     double u_e[3];                        /* rover antenna -> satellite: d(predicted)/d(rover position) = -u */
 } pel_sd_t;
 
-/* Sorted by system, then carrier; in each group the pivot first, then by prn. PEL_MAX_OBS * 104 bytes. */
+/* Sorted by system, then carrier (but for systems added later); in each group the pivot first, then by prn. PEL_MAX_OBS * 104
+ * bytes. */
 typedef struct {
     pel_time_t t_ns; /* tag of the rover's epoch */
     int n;
@@ -251,6 +252,13 @@ typedef struct {
 pel_status_t pel_sd_form(const pel_epoch_t *rover, const pel_view_t *rover_view, const pel_epoch_t *base,
                          const pel_view_t *base_view, const pel_noise_config_t *noise, double base_age_s,
                          pel_sd_set_t *out);
+
+/* Rows of those systems that `out` has none of, from another epoch of the base: one whose message for a system was lost on the line
+ * leaves that system to the epoch before. Groups do not mix epochs, so the base's clock still cancels. Arguments as pel_sd_form();
+ * the rows follow those that are there. PEL_E_MISSING: nothing came of it. */
+pel_status_t pel_sd_add_missing(const pel_epoch_t *rover, const pel_view_t *rover_view, const pel_epoch_t *base,
+                                const pel_view_t *base_view, const pel_noise_config_t *noise, double base_age_s,
+                                pel_sd_set_t *out);
 
 /* The same rows for a receiver alone: observed minus predicted. Differences within a group remove the receiver's clock as
  * before; what is not common to satellites (orbit, clock, atmosphere) is in the variance of the code, and of the rate by
@@ -306,8 +314,8 @@ typedef struct {
 
 typedef struct {
     int n;
-    double
-        phase_sd_m; /* noise of one strong phase at the zenith; pel_slip_init() says 3 mm, the caller may change it */
+    double phase_sd_m;     /* of one strong phase at the zenith; pel_slip_init() says 3 mm, the caller may change it */
+    pel_time_t checked_ns; /* the epoch before */
     pel_slip_entry_t entry[PEL_MAX_OBS];
 } pel_slip_t;
 
@@ -334,7 +342,8 @@ typedef struct {
  * ionosphere between carriers (no more than half a cycle together), aid->sd_m, 2 m/s^3 of unknown jerk over Doppler; never
  * below half a cycle for the last two. The common part of all satellites (median) is the receiver's clock and no slip; if
  * it amounts to whole milliseconds a clock jump is counted. A signal seen for the first time, or after more than
- * PEL_SLIP_MAX_GAP_S, is marked as slipped (nothing is known about its integer) without a count.
+ * PEL_SLIP_MAX_GAP_S, is marked as slipped (nothing is known about its integer) without a count. One that was missing in between
+ * (a line that loses messages) goes on where its lock time says that it was tracked all along.
  * Cost: about 100 flops a phase. Stack: 20 bytes a signal of PEL_MAX_OBS, 2.8 KB at 128. */
 #define PEL_SLIP_MAX_GAP_S 60.0
 void pel_slip_check(pel_slip_t *s, pel_epoch_t *e, const pel_view_t *view, const pel_slip_aid_t *aid,

@@ -143,6 +143,7 @@ typedef struct {
 typedef struct {
     int n;
     uint8_t misfits;       /* epochs in a row whose held phases did not fit */
+    uint8_t contradictions; /* epochs in a row whose own integers were others than those held */
     uint8_t misfit_floats; /* searches in a row that no integers fitted */
     pel_time_t wandered_ns;
     pel_tracked_t entry[PEL_MAX_TRACKED];
@@ -200,7 +201,7 @@ typedef struct {
 } pel_nav_update_t;
 
 #define PEL_ROVER_QUEUE 3
-#define PEL_BASE_QUEUE  2
+#define PEL_BASE_QUEUE  3
 
 /* Sensor errors as the closed loop knows them (measured - true), body axes. */
 typedef struct {

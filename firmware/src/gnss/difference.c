@@ -200,13 +200,20 @@ static bool differenced_row(const pair_t *p, int i, const pel_sight_t *s, pel_sd
     return d->has_code || d->has_phase || d->has_rate;
 }
 
-static pel_status_t form(const pair_t *p, pel_sd_set_t *out)
+static unsigned systems_in(const pel_sd_set_t *set)
+{
+    unsigned systems = 0;
+    for (int i = 0; i < set->n; i++) { systems |= 1u << set->sd[i].sys; }
+    return systems;
+}
+
+/* Append the rows of all systems but these. */
+static pel_status_t form(const pair_t *p, unsigned but, pel_sd_set_t *out)
 {
     pel_sd_t d;
-    out->t_ns = p->rover->t_ns;
-    out->n = 0;
-    out->n_groups = 0;
+    const int before = out->n;
     for (int sys = 0; sys < PEL_N_SYS; sys++) {
+        if ((but & (1u << sys)) != 0) { continue; }
         for (int carrier = 0; carrier < PEL_N_CARRIER; carrier++) {
             const int first = out->n;
             for (int i = 0; i < p->rover->n && i < PEL_MAX_OBS; i++) {
@@ -222,25 +229,48 @@ static pel_status_t form(const pair_t *p, pel_sd_set_t *out)
             out->n_groups++;
         }
     }
-    return (out->n > 0) ? PEL_OK : PEL_E_MISSING;
+    return (out->n > before) ? PEL_OK : PEL_E_MISSING;
+}
+
+static void begin(const pel_epoch_t *rover, pel_sd_set_t *out)
+{
+    out->t_ns = rover->t_ns;
+    out->n = 0;
+    out->n_groups = 0;
+}
+
+static pair_t pair(const pel_epoch_t *rover, const pel_view_t *rover_view, const pel_epoch_t *base,
+                   const pel_view_t *base_view, const pel_noise_config_t *noise, double base_age_s)
+{
+    return (pair_t){.rover = rover,
+                    .base = base,
+                    .rover_view = rover_view,
+                    .base_view = base_view,
+                    .noise = noise,
+                    .var_age = sq(noise->sat_clock_mps * base_age_s)};
 }
 
 pel_status_t pel_sd_form(const pel_epoch_t *rover, const pel_view_t *rover_view, const pel_epoch_t *base,
                          const pel_view_t *base_view, const pel_noise_config_t *noise, double base_age_s,
                          pel_sd_set_t *out)
 {
-    const pair_t p = {.rover = rover,
-                      .base = base,
-                      .rover_view = rover_view,
-                      .base_view = base_view,
-                      .noise = noise,
-                      .var_age = sq(noise->sat_clock_mps * base_age_s)};
-    return form(&p, out);
+    const pair_t p = pair(rover, rover_view, base, base_view, noise, base_age_s);
+    begin(rover, out);
+    return form(&p, 0, out);
+}
+
+pel_status_t pel_sd_add_missing(const pel_epoch_t *rover, const pel_view_t *rover_view, const pel_epoch_t *base,
+                                const pel_view_t *base_view, const pel_noise_config_t *noise, double base_age_s,
+                                pel_sd_set_t *out)
+{
+    const pair_t p = pair(rover, rover_view, base, base_view, noise, base_age_s);
+    return form(&p, systems_in(out), out);
 }
 
 pel_status_t pel_sd_undifferenced(const pel_epoch_t *rover, const pel_view_t *view, const pel_noise_config_t *noise,
                                   pel_sd_set_t *out)
 {
     const pair_t p = {.rover = rover, .rover_view = view, .noise = noise};
-    return form(&p, out);
+    begin(rover, out);
+    return form(&p, 0, out);
 }

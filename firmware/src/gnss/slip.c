@@ -90,9 +90,10 @@ static double whole_ms(double common_m)
 /* ---- detectors ------------------------------------------------------------------------------------------------- */
 
 /* Lock time is a lower bound (RTCM gives it in coarse steps: the truth is below twice the value). 0 then and now: the
- * receiver tells none. */
-static bool lost_lock(const pel_obs_t *obs, const pel_slip_entry_t *old, double dt_s)
+ * receiver tells none, and of a phase that was missing in between nothing is known. */
+static bool lost_lock(const pel_obs_t *obs, const pel_slip_entry_t *old, bool missed, double dt_s)
 {
+    if (missed && obs->lock_ms == 0) { return true; }
     if (obs->lock_ms < old->lock_ms && obs->lock_ms < MAX_LOCK_MS) { return true; }
     return obs->lock_ms > 0 && 2.0 * (double)obs->lock_ms + 1.0 <= 1e3 * dt_s;
 }
@@ -103,7 +104,8 @@ static void told_by_receiver(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, pel
         pel_obs_t *obs = &e->obs[i];
         if (p->old[i] < 0) { continue; }
         const pel_slip_entry_t *old = &s->entry[p->old[i]];
-        if ((obs->flags & PEL_OBS_SLIP) != 0u || lost_lock(obs, old, elapsed_s(p, old))) {
+        const bool missed = old->t_ns != s->checked_ns;
+        if ((obs->flags & PEL_OBS_SLIP) != 0u || lost_lock(obs, old, missed, elapsed_s(p, old))) {
             obs->flags |= PEL_OBS_SLIP;
             count->slip_lock++;
         }
@@ -217,7 +219,7 @@ static void phase_minus_prediction(pass_t *p, const pel_slip_t *s, const pel_sli
         if (p->old[i] < 0) { continue; }
         const pel_slip_entry_t *old = &s->entry[p->old[i]];
         const pel_sight_t *sight = pel_view_find(p->view, obs->sys, obs->prn);
-        if (sight == NULL || !old->predicted) { continue; }
+        if (sight == NULL || !old->predicted || old->t_ns != s->checked_ns) { continue; } /* aid->dr_e is since then */
         const double predicted = pel_sight_phase_m(sight, obs) - old->range_m + pel_dot3(sight->u_e, aid->dr_e);
         p->value[i] = (pel_obs_lambda_m(obs) * obs->L_cyc - old->y_m) - predicted;
         p->valid[i] = true;
@@ -247,21 +249,32 @@ static pel_slip_entry_t remember(const pass_t *p, const pel_obs_t *obs)
     return k;
 }
 
-/* Entries seen again are renewed, the others dropped, new signals appended. */
+/* Entries seen again are renewed, those not seen kept while they may still come back, new signals appended. In a full memory what
+ * is there now comes first. */
 static void remember_epoch(pass_t *p, pel_slip_t *s)
 {
-    int kept = 0;
+    int n_new = 0, kept = 0;
     for (int i = 0; i < p->e->n; i++) {
         if (p->old[i] >= 0) { s->entry[p->old[i]] = remember(p, &p->e->obs[i]); }
+        n_new += p->old[i] < 0 && has_phase(&p->e->obs[i]);
     }
     for (int k = 0; k < s->n; k++) {
-        if (s->entry[k].t_ns == p->e->t_ns) { s->entry[kept++] = s->entry[k]; }
+        const double age_s = pel_time_diff_s(p->e->t_ns, s->entry[k].t_ns);
+        const bool room = s->n + n_new <= PEL_MAX_OBS;
+        if (age_s == 0.0 || (room && age_s > 0.0 && age_s <= PEL_SLIP_MAX_GAP_S)) { s->entry[kept++] = s->entry[k]; }
     }
     s->n = kept;
-    for (int i = 0; i < p->e->n && s->n < PEL_MAX_OBS; i++) {
+    for (int i = 0; i < p->e->n; i++) {
         const pel_obs_t *obs = &p->e->obs[i];
-        if (p->old[i] < 0 && has_phase(obs) && find_entry(s, obs, 0) < 0) { s->entry[s->n++] = remember(p, obs); }
+        if (p->old[i] >= 0 || !has_phase(obs)) { continue; }
+        const int16_t k = find_entry(s, obs, 0); /* too old to compare with, or the same signal twice */
+        if (k >= 0) {
+            s->entry[k] = remember(p, obs);
+        } else if (s->n < PEL_MAX_OBS) {
+            s->entry[s->n++] = remember(p, obs);
+        }
     }
+    s->checked_ns = p->e->t_ns;
 }
 
 /* Find each phase's memory; without one nothing is known about its integer. */

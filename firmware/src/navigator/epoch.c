@@ -87,21 +87,51 @@ static bool view_rover(pel_navigator_t *nav, const pel_epoch_t *rover, const dou
                             &nav->view_rover) == PEL_OK;
 }
 
-/* Single differences against the base; false if too little is common. */
-static bool difference(pel_navigator_t *nav, const pel_epoch_t *rover, pel_epoch_t *base)
+/* The base as seen at the rover's instant; its slips are told once. */
+static bool view_base(pel_navigator_t *nav, const pel_epoch_t *rover, pel_epoch_t *base)
 {
-    const double age_s = pel_time_diff_s(rover->t_ns, base->t_ns);
-    nav->epoch_solution.base_age_s = (float)age_s;
     pel_nav_track_drop_slipped(nav, base);
-    for (int i = 0; i < base->n; i++) { base->obs[i].flags &= (uint8_t)~PEL_OBS_SLIP; } /* told once */
+    for (int i = 0; i < base->n; i++) { base->obs[i].flags &= (uint8_t)~PEL_OBS_SLIP; }
     if (pel_view_compute(base, &nav->orbits, rover->t_ns, nav->station.r_ea_e, NULL, 0.0, NULL, &nav->view_base) !=
         PEL_OK) {
         return false;
     }
-    forget_ionosphere(&nav->view_rover);
     forget_ionosphere(&nav->view_base);
-    return pel_sd_form(rover, &nav->view_rover, base, &nav->view_base, &nav->cfg.noise, age_s, &nav->sd) == PEL_OK &&
-           nav->sd.n - nav->sd.n_groups >= 3;
+    return true;
+}
+
+/* Has this base epoch a system that nav->sd lacks? */
+static bool has_more(const pel_navigator_t *nav, const pel_epoch_t *base)
+{
+    unsigned have = 0;
+    for (int i = 0; i < nav->sd.n; i++) { have |= 1u << nav->sd.sd[i].sys; }
+    for (int i = 0; i < base->n; i++) {
+        if ((have & (1u << base->obs[i].sys)) == 0) { return true; }
+    }
+    return false;
+}
+
+/* Single differences against the base; systems whose message the base's line has lost come from the base epoch before it that has
+ * them. False if too little is common. */
+static bool difference(pel_navigator_t *nav, const pel_epoch_t *rover, pel_epoch_t *base)
+{
+    const pel_noise_config_t *noise = &nav->cfg.noise;
+    const double age_s = pel_time_diff_s(rover->t_ns, base->t_ns);
+    nav->epoch_solution.base_age_s = (float)pel_max(age_s, 0.0);
+    forget_ionosphere(&nav->view_rover);
+    nav->sd.n = nav->sd.n_groups = 0;
+    if (view_base(nav, rover, base)) {
+        (void)pel_sd_form(rover, &nav->view_rover, base, &nav->view_base, noise, age_s, &nav->sd);
+    }
+    for (int i = nav->n_base - 1; i >= 0; i--) {
+        pel_epoch_t *other = &nav->base[i];
+        const double other_age_s = pel_time_diff_s(rover->t_ns, other->t_ns);
+        if (other == base || pel_fabs(other_age_s) > (double)nav->cfg.base_max_age_s) { continue; }
+        if (has_more(nav, other) && view_base(nav, rover, other)) {
+            (void)pel_sd_add_missing(rover, &nav->view_rover, other, &nav->view_base, noise, other_age_s, &nav->sd);
+        }
+    }
+    return nav->sd.n - nav->sd.n_groups >= 3;
 }
 
 /* What moved between the epochs, against what the phases say. */
@@ -277,11 +307,8 @@ static void prepare_phases(pel_navigator_t *nav, update_t *u)
 {
     pel_nav_track_wander(nav);
     if (nav->cfg.integers) { pel_nav_resolve(nav, u->P_r, &u->ints); }
-    if (u->ints.reason == PEL_INT_OK) {
-        pel_nav_track_hold(nav, &u->ints);
-    } else {
-        pel_nav_track_begin(nav);
-    }
+    if (u->ints.reason == PEL_INT_OK && !pel_nav_track_hold(nav, &u->ints)) { u->ints.reason = PEL_INT_PRIOR; }
+    if (u->ints.reason != PEL_INT_OK) { pel_nav_track_begin(nav); }
     pel_nav_track_lookup(nav, &u->phases);
     u->ant.n_states = nav->model.n;
 }

@@ -158,8 +158,8 @@ void pel_nav_track_wander(pel_navigator_t *nav);
 /* Phases that slipped in this epoch of rover or base start anew. */
 void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e);
 
-/* Hold the integers that a search of this epoch validated. */
-void pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints);
+/* Hold the integers that a search of this epoch validated. False: they contradict those held, and one epoch is not enough for that. */
+bool pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints);
 
 /* Phases without an N get a float one, as filter states. */
 void pel_nav_track_begin(pel_navigator_t *nav);

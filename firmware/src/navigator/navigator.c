@@ -63,7 +63,7 @@ static bool base_is_settled(const pel_navigator_t *nav, pel_time_t t_ns)
     if (nav->n_base == 0 || !nav->have_station) { return waited || nav->counters.epochs_used > 0; }
     const pel_time_t newest = nav->base[nav->n_base - 1].t_ns;
     if (newest >= t_ns - BASE_MATCH_NS || newest < t_ns - BASE_ALIVE_NS) { return true; }
-    if (nav->n_base == PEL_BASE_QUEUE) {
+    if (nav->n_base >= 2) {
         /* A slower base has nothing for this epoch: its next one comes later. */
         const pel_time_t next = newest + (newest - nav->base[nav->n_base - 2].t_ns);
         if (next > t_ns + BASE_MATCH_NS) { return true; }
@@ -135,12 +135,11 @@ static bool allowed(const pel_navigator_t *nav, const pel_obs_t *obs)
            (nav->cfg.carriers & (1u << obs->carrier)) != 0;
 }
 
-/* A base whose line loses messages gives epochs of one system alone. Of one that is not used there is nothing to keep, and
- * GLONASS alone must not take the place of an older epoch that has the others. */
+/* Of an epoch of systems that are not used there is nothing to keep. */
 static bool any_allowed(const pel_navigator_t *nav, const pel_epoch_t *e)
 {
     for (int i = 0; i < e->n && i < PEL_MAX_OBS; i++) {
-        if (e->obs[i].sys != PEL_SYS_GLO && allowed(nav, &e->obs[i])) { return true; }
+        if (allowed(nav, &e->obs[i])) { return true; }
     }
     return false;
 }

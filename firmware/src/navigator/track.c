@@ -22,6 +22,7 @@
 #define MISFIT_FLOATS     5
 #define RESOLVE_RATIO     3.0
 #define RESOLVE_SUCCESS   0.99
+#define MOST_CONTRADICTIONS 3 /* epochs in a row whose own integers are others than those held: then they are right */
 #define FAILURE_FACTOR  5.0 /* epochs that agree may each promise this much less */
 #define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
 #define FAR_APART_S       10.0 /* epochs with errors of their own */
@@ -189,27 +190,58 @@ static double pivot_integer(pel_navigator_t *nav, const pel_nav_integers_t *ints
     return (nav->sd.sd[pivot].sys == PEL_SYS_GLO) ? pel_nav_channels_number(&nav->sd.sd[pivot]) : 0.0;
 }
 
-void pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
+/* One group of nav->sd, first..last-1. */
+typedef struct {
+    int first, last, pivot; /* pivot -1: none */
+    bool any_fixed;
+} group_t;
+
+static group_t group_from(const pel_navigator_t *nav, const pel_nav_integers_t *ints, int first)
 {
-    make_room(nav);
-    for (int first = 0; first < nav->sd.n;) {
-        int last = first + 1, pivot = -1, n = ints->fixed[first] ? 1 : 0;
-        while (last < nav->sd.n && nav->sd.sd[last].group == nav->sd.sd[first].group) {
-            n += ints->fixed[last] ? 1 : 0;
-            last++;
-        }
-        for (int i = first; i < last; i++) {
-            if (nav->sd.sd[i].pivot) { pivot = i; }
-        }
-        if (n > 0 && pivot >= 0) {
-            const double N_pivot = pivot_integer(nav, ints, first, last, pivot);
-            hold(nav, &nav->sd.sd[pivot], N_pivot);
-            for (int i = first; i < last; i++) {
-                if (i != pivot && ints->fixed[i]) { hold(nav, &nav->sd.sd[i], N_pivot + (double)ints->N[i]); }
-            }
-        }
-        first = last;
+    group_t g = {.first = first, .last = first, .pivot = -1};
+    for (; g.last < nav->sd.n && nav->sd.sd[g.last].group == nav->sd.sd[first].group; g.last++) {
+        g.any_fixed = g.any_fixed || ints->fixed[g.last];
+        if (nav->sd.sd[g.last].pivot) { g.pivot = g.last; }
     }
+    return g;
+}
+
+/* Do integers of this epoch alone say anything else than those held? */
+static bool contradicts(pel_navigator_t *nav, const pel_nav_integers_t *ints)
+{
+    for (group_t g = group_from(nav, ints, 0); g.first < nav->sd.n; g = group_from(nav, ints, g.last)) {
+        bool known = false;
+        double offset = 0.0; /* of held numbers against those of this epoch: one for the whole group */
+        for (int i = g.first; i < g.last && g.pivot >= 0; i++) {
+            const pel_sd_t *sd = &nav->sd.sd[i];
+            const pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+            if (t == NULL || !t->held || !(ints->fixed[i] || (i == g.pivot && g.any_fixed))) { continue; }
+            const double here = t->N - (double)((i == g.pivot) ? 0 : ints->N[i]);
+            if (known && here != offset) { return true; }
+            known = true;
+            offset = here;
+        }
+    }
+    return false;
+}
+
+bool pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
+{
+    const bool other = contradicts(nav, ints);
+    nav->track.contradictions = (uint8_t)(other ? nav->track.contradictions + 1 : 0);
+    if (other && nav->track.contradictions < MOST_CONTRADICTIONS) { return false; }
+    nav->track.contradictions = 0;
+    if (other) { pel_nav_track_clear(nav); }
+    make_room(nav);
+    for (group_t g = group_from(nav, ints, 0); g.first < nav->sd.n; g = group_from(nav, ints, g.last)) {
+        if (!g.any_fixed || g.pivot < 0) { continue; }
+        const double N_pivot = pivot_integer(nav, ints, g.first, g.last, g.pivot);
+        hold(nav, &nav->sd.sd[g.pivot], N_pivot);
+        for (int i = g.first; i < g.last; i++) {
+            if (i != g.pivot && ints->fixed[i]) { hold(nav, &nav->sd.sd[i], N_pivot + (double)ints->N[i]); }
+        }
+    }
+    return true;
 }
 
 /* ---- every relative epoch: each phase gets its N ------------------------------------------------------------------------------ */

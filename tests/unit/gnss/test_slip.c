@@ -324,7 +324,8 @@ static void a_slip_in_the_epoch_of_a_clock_jump_is_still_found(void)
     TEST_ASSERT_EQUAL(2, marked());
 }
 
-static void a_signal_that_was_away_returns_marked(void)
+/* The last signal is missing in one epoch; its lock time when it returns is as given. Marks then. */
+static int marked_after_absence(uint32_t lock_ms)
 {
     warm_up();
     advance();
@@ -333,10 +334,25 @@ static void a_signal_that_was_away_returns_marked(void)
     check(&AID);
     TEST_ASSERT_EQUAL(0, marked());
     advance();
-    check(&AID);
-    TEST_ASSERT_EQUAL(1, marked());
-    TEST_ASSERT_EQUAL(0, counted());
     TEST_ASSERT_TRUE(e.obs[e.n - 1].prn == kept.prn);
+    e.obs[e.n - 1].lock_ms = lock_ms;
+    check(&AID);
+    return marked();
+}
+
+static void a_signal_that_the_line_lost_goes_on_if_it_was_tracked_all_along(void)
+{
+    TEST_ASSERT_EQUAL(0, marked_after_absence(100000));
+}
+
+static void a_signal_that_was_away_and_tells_no_lock_time_returns_marked(void)
+{
+    TEST_ASSERT_EQUAL(1, marked_after_absence(0));
+}
+
+static void a_long_gap_marks_every_signal(void)
+{
+    warm_up();
     dt_s = 20.0;
     step = 10; /* a gap of 194 s */
     advance();
@@ -359,7 +375,7 @@ static void broken_numbers_do_no_harm(void)
     TEST_ASSERT_EQUAL(0, counted());
     advance();
     check(&AID);
-    TEST_ASSERT_EQUAL(2, marked()); /* the two that were away */
+    TEST_ASSERT_EQUAL(0, marked()); /* the two that were broken tell by their lock times that nothing was lost */
     e.n = PEL_MAX_OBS + 1;
     check(&AID);
 }
@@ -381,7 +397,9 @@ int main(void)
     RUN_TEST(a_corrected_position_is_no_slip);
     RUN_TEST(a_clock_jump_is_recognised_and_no_slip);
     RUN_TEST(a_slip_in_the_epoch_of_a_clock_jump_is_still_found);
-    RUN_TEST(a_signal_that_was_away_returns_marked);
+    RUN_TEST(a_signal_that_the_line_lost_goes_on_if_it_was_tracked_all_along);
+    RUN_TEST(a_signal_that_was_away_and_tells_no_lock_time_returns_marked);
+    RUN_TEST(a_long_gap_marks_every_signal);
     RUN_TEST(broken_numbers_do_no_harm);
     return UNITY_END();
 }
