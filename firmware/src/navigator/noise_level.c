@@ -8,7 +8,7 @@
 
 #define LEARN_EVERY_S 0.9
 #define PRIOR_ROWS    4.0f
-#define MEMORY_ROWS   400.0f /* and no longer: surroundings change */
+#define MEMORY_ROWS   150.0f /* and no longer: surroundings change */
 
 /* Limits of the factor of a variance. What wrong integers leave over must not make them look right. */
 static const float LEAST[PEL_NAV_LEVELS] = {0.1f, 0.5f};

@@ -5,7 +5,8 @@
 
 #include "pelorus/math.h"
 
-#define GATE_SIGMA PEL_R(6.0) /* last gate on a whitened row; coarse errors are screened before */
+#define GATE_SIGMA  PEL_R(6.0) /* last gate on a whitened row; coarse errors are screened before */
+#define HUBER_SIGMA PEL_R(1.5)
 
 typedef pel_nav_update_t update_t;
 typedef enum { CODE = PEL_NAV_LEVEL_CODE, PHASE = PEL_NAV_LEVEL_PHASE, RATE = 2 } kind_t;
@@ -140,6 +141,17 @@ static double make_row(const pel_navigator_t *nav, const update_t *u, int i, int
     return dd;
 }
 
+/* Beyond a few sigma an error is rather a reflection than noise: its row counts less (Huber 1964), beyond the gate nothing. nis is that
+ * of the row as it was. */
+static bool update_robustly(pel_navigator_t *nav, pel_row_t *row, pel_real *nis)
+{
+    const pel_status_t status = pel_ud_update(&nav->ud, row->h, row->first, row->z, row->var, HUBER_SIGMA, nis);
+    if (status != PEL_W_REJECTED) { return status == PEL_OK; }
+    if (!(*nis <= GATE_SIGMA * GATE_SIGMA)) { return false; }
+    row->var *= (pel_real)pel_sqrt((double)*nis) / HUBER_SIGMA;
+    return pel_ud_update(&nav->ud, row->h, row->first, row->z, row->var, 0, NULL) == PEL_OK;
+}
+
 /* One kind of measurement of one group: double differences against the pivot, whitened, into the filter. */
 static void update_group(pel_navigator_t *nav, update_t *u, int first, int last, kind_t kind)
 {
@@ -159,8 +171,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         if (whitened && kind == CODE && u->held_used >= 3) { pel_nav_hold_watch_row(nav, &row, u->ant.i_r); }
         const bool learns = whitened && nav->noise_level.learning && kind != RATE;
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
-        const bool used =
-            whitened && pel_ud_update(&nav->ud, row.h, row.first, row.z, row.var, GATE_SIGMA, &nis) == PEL_OK;
+        const bool used = whitened && update_robustly(nav, &row, &nis);
         if (used && learns) { pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, (double)row.var); }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, row.h);
