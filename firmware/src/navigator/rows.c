@@ -6,7 +6,7 @@
 #include "pelorus/math.h"
 
 #define GATE_SIGMA  PEL_R(6.0) /* last gate on a whitened row; coarse errors are screened before */
-#define HUBER_SIGMA PEL_R(1.5)
+#define HUBER_SIGMA PEL_R(3.0)
 
 typedef pel_nav_update_t update_t;
 typedef enum { CODE = PEL_NAV_LEVEL_CODE, PHASE = PEL_NAV_LEVEL_PHASE, RATE = 2 } kind_t;
