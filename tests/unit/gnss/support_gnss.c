@@ -41,6 +41,33 @@ void sky_init(pel_orbits_t *o)
     for (int k = 0; k < 3; k++) { add(o, PEL_SYS_BDS, 11 + k, 27906e3, 0.001, 0.96, 1.5 * k, 1.1 * k); }
 }
 
+void sky_add_glonass(pel_orbits_t *o)
+{
+    const double r = 25508e3, incl = 1.131;
+    const double v = sqrt(3.986004418e14 / r);
+    for (int n = 0; n < 24; n++) {
+        const double u = 0.7854 * (n / 3) + 0.2618 * (n % 3), node = 2.0944 * (n % 3);
+        const double x[3] = {r * cos(u), r * sin(u) * cos(incl), r * sin(u) * sin(incl)};
+        const double dx[3] = {-v * sin(u), v * cos(u) * cos(incl), v * cos(u) * sin(incl)};
+        const double c = cos(node), s = sin(node);
+        pel_ephemeris_t k;
+        memset(&k, 0, sizeof k);
+        k.sys = PEL_SYS_GLO;
+        k.prn = (uint8_t)(n + 1);
+        k.toe_ns = k.toc_ns = SKY_T0;
+        k.sd_ura_m = 4.0f;
+        k.af0 = 2e-5 * (n % 5 - 2);
+        k.glo.k = (int8_t)(n % 14 - 7);
+        k.glo.r_e[0] = c * x[0] - s * x[1];
+        k.glo.r_e[1] = s * x[0] + c * x[1];
+        k.glo.r_e[2] = x[2];
+        k.glo.v_e[0] = c * dx[0] - s * dx[1] + OMEGA * k.glo.r_e[1];
+        k.glo.v_e[1] = s * dx[0] + c * dx[1] - OMEGA * k.glo.r_e[0];
+        k.glo.v_e[2] = dx[2];
+        (void)pel_orbits_add(o, &k);
+    }
+}
+
 scene_t scene_default(void)
 {
     const scene_t s = {
@@ -96,8 +123,9 @@ void scene_observe(const scene_t *s, const pel_orbits_t *o, pel_time_t t_ns, uns
         const double rate = ahead - back - C * (after - before) + s->clk_rate_mps;
         /* Elevation over the sphere differs from the geodetic by 0.2 degrees; only used where it does not matter. */
         const double base = rho + clk_m - C * clk;
+        const bool second_is_L2 = eph->sys == PEL_SYS_GPS || eph->sys == PEL_SYS_GLO;
         const uint8_t carriers[2] = {(eph->sys == PEL_SYS_BDS) ? PEL_CARRIER_B1I : PEL_CARRIER_L1,
-                                     (eph->sys == PEL_SYS_GPS) ? PEL_CARRIER_L2 : PEL_CARRIER_E5B};
+                                     second_is_L2 ? PEL_CARRIER_L2 : PEL_CARRIER_E5B};
         for (int k = 0; k < 2 && e->n < PEL_MAX_OBS; k++) {
             pel_obs_t *obs = &e->obs[e->n++];
             obs->sys = eph->sys;
@@ -107,9 +135,10 @@ void scene_observe(const scene_t *s, const pel_orbits_t *o, pel_time_t t_ns, uns
             obs->flags = PEL_OBS_CODE | PEL_OBS_PHASE | PEL_OBS_DOPPLER;
             obs->cn0_dbhz = 45.0f;
             obs->lock_ms = 100000;
+            obs->glo_k = (eph->sys == PEL_SYS_GLO) ? eph->glo.k : 0;
             const double lambda = pel_obs_lambda_m(obs);
             obs->P_m = base;
-            obs->L_cyc = base / lambda + scene_integer(obs->sys, obs->prn, obs->carrier);
+            obs->L_cyc = (base + s->glo_slope_m * obs->glo_k) / lambda + scene_integer(obs->sys, obs->prn, obs->carrier);
             obs->D_hz = (float)(-rate / lambda);
         }
     }
