@@ -122,6 +122,7 @@ typedef struct {
 typedef struct {
     uint8_t sys, prn, carrier;
     bool held;     /* N is an integer that was validated */
+    bool half;     /* half a cycle is not resolved: good as a float, no integer */
     int16_t state; /* index of its filter state; -1: held, or the datum of its group */
     uint16_t epochs;
     uint8_t agreed; /* searches in a row that gave the same integer, since: */

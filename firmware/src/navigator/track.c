@@ -119,8 +119,7 @@ void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
 {
     for (int k = 0; k < e->n; k++) {
         const pel_obs_t *o = &e->obs[k];
-        const unsigned lost = PEL_OBS_SLIP | PEL_OBS_HALF_CYCLE;
-        if ((o->flags & lost) == 0) { continue; }
+        if ((o->flags & PEL_OBS_SLIP) == 0) { continue; }
         const pel_tracked_t *t = find(nav, o->sys, o->prn, o->carrier);
         if (t != NULL) { drop(nav, (int)(t - nav->track.entry)); }
     }
@@ -172,6 +171,7 @@ static void hold(pel_navigator_t *nav, const pel_sd_t *sd, double N)
     remove_state(nav, t);
     t->N = N;
     t->held = true;
+    t->half = false;
 }
 
 /* The integer of a group's pivot on the group's datum: known, or told by another satellite held and fixed, or a new datum. */
@@ -248,7 +248,7 @@ bool pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
 
 static bool phase_is_usable(const pel_sd_t *sd)
 {
-    return sd->has_phase && sd->has_code && !sd->half;
+    return sd->has_phase && sd->has_code;
 }
 
 /* A new float ambiguity from code minus phase; the receivers' clocks cancel against the group's reference. */
@@ -259,9 +259,29 @@ static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t
     const double dd_m = (sd->phase_m - ref->phase_m) - (sd->code_m - ref->code_m);
     t->N = (ref->lambda_m * N_ref + dd_m - pel_nav_channels_offset_m(nav, sd, ref)) / sd->lambda_m;
     t->held = false;
+    t->half = sd->half;
     t->epochs = 0;
     t->since_ns = nav->at_horizon.t_ns;
     if (!add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) { drop(nav, (int)(t - nav->track.entry)); }
+}
+
+/* The pivot becomes the datum, or another satellite if the pivot has half a cycle that is not resolved. NULL: none can. */
+static const pel_sd_t *new_datum(pel_navigator_t *nav, int first, int last, double *N_ref)
+{
+    const pel_sd_t *datum = NULL;
+    for (int i = first; i < last; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        if (phase_is_usable(sd) && (datum == NULL || (datum->half && !sd->half))) { datum = sd; }
+    }
+    if (datum == NULL || datum_of(nav, datum->sys, datum->carrier) != NULL) { return NULL; }
+    pel_tracked_t *t = get_or_add(nav, datum);
+    if (t == NULL) { return NULL; }
+    t->N = pel_nav_channels_number(datum);
+    t->held = false;
+    t->half = datum->half;
+    pel_nav_channels_new_datum(nav, datum);
+    *N_ref = t->N;
+    return datum;
 }
 
 static void begin_group(pel_navigator_t *nav, int first, int last)
@@ -277,16 +297,9 @@ static void begin_group(pel_navigator_t *nav, int first, int last)
             if (t->state < 0) { break; }
         }
     }
-    if (ref == NULL) { /* the pivot becomes the datum */
-        const pel_sd_t *pivot = &nav->sd.sd[first];
-        if (!phase_is_usable(pivot) || datum_of(nav, pivot->sys, pivot->carrier) != NULL) { return; }
-        pel_tracked_t *t = get_or_add(nav, pivot);
-        if (t == NULL) { return; }
-        t->N = pel_nav_channels_number(pivot);
-        t->held = false;
-        pel_nav_channels_new_datum(nav, pivot);
-        ref = pivot;
-        N_ref = t->N;
+    if (ref == NULL) {
+        ref = new_datum(nav, first, last, &N_ref);
+        if (ref == NULL) { return; }
     }
     for (int i = first; i < last; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
@@ -359,12 +372,14 @@ typedef struct {
     uint8_t entry[PEL_MAX_AMB]; /* index into nav->track.entry[] */
 } chosen_t;
 
-static chosen_t choose_settled(const pel_navigator_t *nav)
+static chosen_t choose_settled(pel_navigator_t *nav)
 {
     chosen_t c = {0};
     for (int i = 0; i < nav->track.n && c.n < PEL_MAX_AMB; i++) {
         const pel_tracked_t *t = &nav->track.entry[i];
-        if (t->state >= 0 && t->epochs >= RESOLVE_EPOCHS &&
+        const pel_tracked_t *datum = (t->state >= 0) ? datum_of(nav, t->sys, t->carrier) : NULL;
+        if (datum == NULL || datum->half || t->half) { continue; }
+        if (t->epochs >= RESOLVE_EPOCHS &&
             pel_time_diff_s(nav->at_horizon.t_ns, t->since_ns) >= RESOLVE_AFTER_S) {
             c.entry[c.n++] = (uint8_t)i;
         }
