@@ -68,6 +68,10 @@ def replay(entry, data, work, verbose=False):
     return track, figures, removed_ns
 
 
+def folder_of(name):
+    return name.replace(" ", "-").replace(",", "")
+
+
 def middle_of(capture):
     """START,LENGTH of the 10 s that begin just before the middle of the rover's events."""
     seen = [t_us for t_us, channel, _ in eventlog.events(eventlog.open_bytes(str(capture))) if channel == b"UART_ROVER"]
@@ -90,7 +94,7 @@ def words(f):
     if "mean_enu_m" in f:
         parts.append(f"mean {numbers(f['mean_off_mm'], 1)} mm off, std {numbers(f['std_enu_m'], 1, 1e3)} mm ENU")
     if "up_m" in f:
-        parts.append("up {:.2f} to {:.2f} m, jumps below {:.1f} cm".format(f["up_m"][0], f["up_m"][2], 100 * f["jump_max_m"]))
+        parts.append("up {:.2f} to {:.2f} m".format(f["up_m"][0], f["up_m"][2]))
     if "gap_h_max_m" in f:
         how = "" if f["gap_said"] else " (silent: its last position and velocity carried on)"
         parts.append(f"in the gap {f['gap_h_rms_m']:.2f} m rms, {f['gap_h_max_m']:.2f} m at most{how}")
@@ -152,7 +156,7 @@ def body(argv):
             if not (data / e.folder).is_dir():
                 results.append({"name": e.name, "mode": e.mode, "ours": None, "peer": None, "failed": "recording absent"})
                 continue
-            work = keep / e.name.replace(" ", "-").replace(",", "")
+            work = keep / folder_of(e.name)
             r = {"name": e.name, "mode": e.mode, "ours": None, "peer": None, "failed": ""}
             ours, removed_ns = None, ()
             try:

@@ -76,12 +76,13 @@ def refix_s(track, removed_ns):
     return float(track.t_ns[np.argmax(fixed)] - track.t_ns[np.argmax(after)]) * 1e-9 if fixed.any() else float("nan")
 
 
-def largest_jump(track, longest_s=1.5):
-    """Largest departure of a fixed position from the straight line between its fixed neighbours, m: what steady motion does not explain."""
-    t = track.t_ns
-    three = track.fixed[:-2] & track.fixed[1:-1] & track.fixed[2:] & (t[2:] - t[:-2] < 2 * longest_s * 1e9)
-    off = track.r_e[1:-1] - 0.5 * (track.r_e[:-2] + track.r_e[2:])
-    return float(np.linalg.norm(off[three], axis=1).max()) if three.any() else 0.0
+def apart(track, other):
+    """Two fixed tracks of one antenna: largest distance, and largest change of their difference from epoch to epoch, m."""
+    a, b = common(track, other), common(other, track)
+    both = a.fixed & b.fixed
+    d = a.r_e - b.r_e
+    change = np.linalg.norm(np.diff(d, axis=0), axis=1)[both[1:] & both[:-1]]
+    return float(np.linalg.norm(d[both], axis=1).max()), float(change.max()), int(both.sum())
 
 
 def baseline(track, base, want_enu, expected):

@@ -1,4 +1,5 @@
 /* Exterior orientation at event marks: the interpolation table of S5 section 12, Hermite at 100 Hz. */
+/* with: gnss */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -170,6 +170,39 @@ static void half_a_cycle_that_nobody_told_is_not_fixed(void)
     TEST_ASSERT_EQUAL(0, wrong);
 }
 
+/* Told: the receiver flags it. */
+static void phases_with_an_open_half_cycle_smooth_the_float_and_are_never_fixed(void)
+{
+    static pel_epoch_t base, rover;
+    double rms[2];
+    for (int with = 0; with < 2; with++) {
+        pair_init(&pair, &nav, GPS, L1);
+        double sum = 0.0, before[3] = {0.0};
+        int n = 0;
+        for (int i = 0; i < 40; i++) {
+            pair_observe(&pair, &base, &rover);
+            for (int k = 0; k < rover.n; k++) {
+                rover.obs[k].L_cyc += 0.5 * (k % 2);
+                rover.obs[k].flags |= PEL_OBS_HALF_CYCLE;
+                if (!with) { rover.obs[k].flags &= (uint8_t)~PEL_OBS_PHASE; }
+            }
+            pel_navigator_push_base(&nav, &base);
+            pel_navigator_push_rover(&nav, &rover);
+            while (pel_navigator_flush(&nav)) {}
+            TEST_ASSERT_NOT_EQUAL(PEL_FIX_FIXED, nav.epoch_solution.fix);
+            for (int k = 0; k < 3; k++) {
+                const double step = nav.epoch_solution.r_eb_e[k] - before[k];
+                before[k] = nav.epoch_solution.r_eb_e[k];
+                if (i > 10) { sum += step * step; }
+            }
+            n += i > 10;
+        }
+        rms[with] = sqrt(sum / n);
+    }
+    printf("steps of a float at rest: %.3f m from codes, %.3f m with half-cycle phases\n", rms[0], rms[1]);
+    TEST_ASSERT_LESS_THAN_DOUBLE(rms[0] / 3.0, rms[1]);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -180,5 +213,6 @@ int main(void)
     RUN_TEST(wrong_integers_do_not_last);
     RUN_TEST(a_system_lost_on_the_bases_line_comes_from_the_epoch_before);
     RUN_TEST(half_a_cycle_that_nobody_told_is_not_fixed);
+    RUN_TEST(phases_with_an_open_half_cycle_smooth_the_float_and_are_never_fixed);
     return UNITY_END();
 }
