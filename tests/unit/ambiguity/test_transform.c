@@ -126,7 +126,8 @@ static void the_search_finds_what_a_scan_of_everything_finds(void)
         TEST_ASSERT_LESS_OR_EQUAL_INT32(PEL_TRANSFORM_NODES, out.nodes);
         if (out.nodes > nodes) { nodes = (int)out.nodes; }
         TEST_ASSERT_EQUAL(PEL_OK, status);
-        for (int k = 0; k < 2; k++) { expect(s.N[k], s.sq[k], k, p.n); }
+        TEST_ASSERT_TRUE(out.n_found == 2 || s.sq[1] > 27.6); /* 1 - 1e-6 of two degrees of freedom */
+        for (int k = 0; k < out.n_found; k++) { expect(s.N[k], s.sq[k], k, p.n); }
         capped += solve(&p, PEL_TRANSFORM_BOX, 5.0) == PEL_W_BUDGET;
         TEST_ASSERT_LESS_OR_EQUAL_INT32(PEL_TRANSFORM_NODES, out.nodes);
     }
@@ -157,7 +158,7 @@ static void where_its_region_holds_them_it_finds_the_engines_two_best(void)
                 double sq, largest;
                 TEST_ASSERT_EQUAL(PEL_OK, pel_ils_get(&ils, k, N, &sq));
                 (void)norm(&p, L, N, &largest);
-                const bool holds = sphere ? sq < 20.0 : largest < 3.0; /* 1 - 1e-6 of two degrees of freedom: 27.6 */
+                const bool holds = sphere ? sq < 27.6 : largest < 3.0;
                 if (!holds) { break; }
                 TEST_ASSERT_EQUAL(PEL_OK, status);
                 expect(N, sq, k, p.n);
