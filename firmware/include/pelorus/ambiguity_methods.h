@@ -60,6 +60,66 @@ pel_status_t pel_transform_solve(const pel_transform_input_t *in, pel_transform_
 pel_status_t pel_transform_phase_metric(int n, const double (*g)[3], double lambda_m, double var_m2, bool whitened,
                                         double *metric);
 
+/* ==== wide-lane, then narrow-lane: longer baselines ================================================================= */
+
+/* Pairs of rows: one satellite on two carriers. */
+#define PEL_CASCADE_PAIRS (PEL_MAX_AMB / 2)
+
+typedef enum {
+    PEL_CASCADE_NONE = 0, /* nothing fixed */
+    PEL_CASCADE_WIDE,     /* wide-lane integers: position of centimetres to decimetres, by ionosphere */
+    PEL_CASCADE_NARROW    /* both carriers of the satellites in `fixed` */
+} pel_amb_level_t;
+
+/* A cascade under way and its result. About 4.7 KB at PEL_MAX_AMB = 40. Callers may read the first group. */
+typedef struct {
+    uint8_t level; /* pel_amb_level_t reached, at the end */
+    int n_pairs, n_wide,
+        n_narrow; /* satellites with two carriers; of these wide-lane, and narrow-lane integers fixed */
+    pel_int_verdict_t wide,
+        narrow; /* of each step, with its subset; narrow.reason PEL_INT_NOT_TRIED if wide was refused */
+    double b[3],
+        P_b[3]
+           [3]; /* position from phases alone, of the level reached or of the wide lanes if better: true - predicted, m, m^2 */
+    uint8_t row1[PEL_CASCADE_PAIRS];   /* rows of a pair in the problem: the carrier of higher frequency, */
+    uint8_t row2[PEL_CASCADE_PAIRS];   /* and of lower */
+    bool is_wide[PEL_CASCADE_PAIRS];   /* its N_wide is fixed */
+    int64_t N_wide[PEL_CASCADE_PAIRS]; /* N1 - N2 */
+    uint64_t fixed;                    /* bit 1 << row: both its carriers are fixed */
+
+    /* private */
+    uint8_t stage;
+    int8_t max_tries;
+    int32_t budget;
+    pel_int_limits_t limits;
+    pel_amb_resolver_t resolver;
+    pel_amb_problem_t work; /* of the step at hand */
+} pel_amb_cascade_t;
+
+/* Wide-lane integers of all satellites with integers sought on two carriers against one pivot, then their L1/L2 (or other) integers given
+ * these, each by a resolver with its subsets. To be tried where the joint problem of pel_amb_resolve() is too weak: the joint search is
+ * the optimum when it succeeds, the cascade says what is known when it does not.
+ *
+ * With the wide lane W fixed, N2 = N1 - N_wide; what is left of two phases is one more, M, the combination whose noise is uncorrelated
+ * with W's, with the integer N1 and wavelength 0.2 m. W, M and the ionosphere of each satellite (var_iono) are tied exactly. Codes
+ * take part in the wide-lane step, as do prior and ionosphere (there as noise: 1.28 times that on L1); the narrow-lane step has W
+ * in their place. Carriers of a satellite beyond two, and satellites with one, take no part.
+ *
+ * The limits hold for each step; failure_max is halved between them.
+ * PEL_E_RANGE: as pel_amb_resolve_begin(). PEL_E_MISSING: no pair. */
+pel_status_t pel_amb_cascade_begin(pel_amb_cascade_t *c, const pel_amb_problem_t *p, const pel_int_limits_t *limits,
+                                   int32_t budget, int max_tries);
+
+/* One step, as pel_amb_resolve_step(). p is read only and must be the one begun with.
+ *  N  out  [PEL_MAX_AMB] by row of p, those in c->fixed; the others 0; unchanged unless PEL_OK
+ * PEL_W_RUNNING: call again. PEL_OK: narrow-lane integers. PEL_W_REJECTED: see c->level, wide-lane or nothing. < 0: as pel_amb_float(). */
+pel_status_t pel_amb_cascade_step(pel_amb_cascade_t *c, const pel_amb_problem_t *p, pel_ils_t *s, int32_t max_nodes,
+                                  int64_t *N);
+
+/* Begin and all steps in one call. */
+pel_status_t pel_amb_cascade(pel_amb_cascade_t *c, const pel_amb_problem_t *p, pel_ils_t *s,
+                             const pel_int_limits_t *limits, int32_t budget, int max_tries, int64_t *N);
+
 /* ==== agreement over epochs (S6 section 6.2, "OVT") ================================================================= */
 
 #define PEL_OVT_COMPARED 3 /* fewest common double differences that say anything */

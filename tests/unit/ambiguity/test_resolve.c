@@ -1,4 +1,5 @@
 /* test_resolve.c - one epoch's integers in slices, and what solving for fewer of them gains. */
+/* build: f32 f64 */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
