@@ -322,10 +322,10 @@ pel_status_t pel_int_validate(const pel_amb_problem_t *p, const pel_ils_t *s, co
 
 /* Which of the integers asked for were solved for, and why: in the order in which they are tried. */
 typedef enum {
-    PEL_AMB_ALL = 0,          /* all of them */
-    PEL_AMB_WITHOUT_SUSPECT,  /* did not fit: one satellite is out, its codes too; those that fit worst first */
-    PEL_AMB_AGREED,           /* too weak, but it fits: only those in which best and second best agree */
-    PEL_AMB_TWO_CARRIERS,     /* too weak: only satellites with two carriers or more */
+    PEL_AMB_ALL = 0,         /* all of them */
+    PEL_AMB_WITHOUT_SUSPECT, /* did not fit: one satellite is out, its codes too; those that fit worst first */
+    PEL_AMB_AGREED,       /* too weak, but it fits: only those in which best and second best agree; up to three times */
+    PEL_AMB_TWO_CARRIERS, /* too weak: only satellites with two carriers or more */
     PEL_AMB_WITHOUT_NOISIEST, /* too weak: the noisiest satellites are out, all their carriers; one more each time */
     PEL_AMB_WITHOUT_SYSTEM    /* either: one system is out (groups that share satellites are one system) */
 } pel_amb_subset_t;

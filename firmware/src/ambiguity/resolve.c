@@ -119,6 +119,7 @@ static pel_status_t judge(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_t
         deliver(p, s, N);
         return end(r, p, PEL_OK);
     }
+    if (r->subset == PEL_AMB_AGREED && (verdict.failed & MISFIT) == 0) { pel_subset_note_agreement(r, p, s); }
     if (r->subset != PEL_AMB_ALL) { return try_less(r, p, v); }
     r->first = verdict;
     return plan(r, p, s, v);

@@ -7,7 +7,8 @@
 
 _Static_assert(PEL_MAX_AMB <= 64, "rows are remembered by the bits of a word");
 
-#define ROW(i) (UINT64_C(1) << (i))
+#define ROW(i)     (UINT64_C(1) << (i))
+#define AGREEMENTS 3 /* each within the one before */
 
 static bool in_group(const pel_amb_problem_t *p, uint8_t group, uint8_t sat)
 {
@@ -143,15 +144,17 @@ static void keep_two_carriers(const pel_amb_resolver_t *r, pel_amb_problem_t *p)
     }
 }
 
-static void keep_agreed(const pel_amb_resolver_t *r, pel_amb_problem_t *p)
+/* Uses the agreement up: the next one is that of the problem which this becomes. */
+static void keep_agreed(pel_amb_resolver_t *r, pel_amb_problem_t *p)
 {
     for (int i = 0; i < p->n_rows; i++) {
         if ((r->agreed & ROW(i)) == 0) { p->row[i].integer = false; }
     }
+    r->agreed = 0;
 }
 
 /* The index-th subset of a kind, from all rows. False: there are no more of this kind. */
-static bool select_rows(const pel_amb_resolver_t *r, pel_amb_problem_t *p)
+static bool select_rows(pel_amb_resolver_t *r, pel_amb_problem_t *p)
 {
     switch ((pel_amb_subset_t)r->subset) {
     case PEL_AMB_ALL: return false;
@@ -159,7 +162,7 @@ static bool select_rows(const pel_amb_resolver_t *r, pel_amb_problem_t *p)
         if (r->index >= r->n_suspects) { return false; }
         drop(p, r->suspect[r->index], true);
         return true;
-    case PEL_AMB_AGREED: keep_agreed(r, p); return r->index == 0;
+    case PEL_AMB_AGREED: keep_agreed(r, p); return r->index < AGREEMENTS;
     case PEL_AMB_TWO_CARRIERS: keep_two_carriers(r, p); return r->index == 0;
     case PEL_AMB_WITHOUT_NOISIEST:
         for (int i = 0; i <= r->index; i++) {
