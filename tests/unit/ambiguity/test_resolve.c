@@ -10,7 +10,7 @@
 #include "unity.h"
 
 static pel_ils_t ils;
-static int draws = 2000;
+static int draws = 500;
 
 void setUp(void) {}
 void tearDown(void) {}
@@ -264,6 +264,35 @@ static void partial_fixing_fixes_more_at_a_bounded_rate_of_wrong_ones(void)
     compare("failure rate 0.1 % instead of a ratio", &limits, 0.02);
 }
 
+/* The ratio of a promised failure rate alone, no limit of success: over all subsets tried the promise must hold, in every case. */
+static void wrong_fixes_stay_below_every_promise(void)
+{
+    static const double promised[] = {0.1, 0.01, 0.001, 0.0001};
+    pel_int_limits_t limits;
+    pel_int_limits_default(&limits);
+    limits.ratio_min = 1.0;
+    limits.success_min = 0.0;
+    printf("  promised, %d epochs each: fixed %%, wrong %% all together | with subsets; most wrong of a case\n",
+           CASES * draws);
+    for (int k = 0; k < 4; k++) {
+        int fixed[2] = {0}, wrong[2] = {0}, worst = 0;
+        limits.failure_max = promised[k];
+        for (int i = 0; i < CASES; i++) {
+            for (int parts = 0; parts < 2; parts++) {
+                const tally_t t = tally(&cases[i].c, &limits, parts ? 8 : 1, (uint64_t)(800 + 10 * i + k));
+                fixed[parts] += t.fixed;
+                wrong[parts] += t.wrong;
+                if (t.wrong > worst) { worst = t.wrong; }
+                expect_at_most(t.wrong, draws, promised[k]);
+            }
+        }
+        printf("    %7.2f %%  %5.2f %7.4f | %5.2f %7.4f; %.3f\n", 100.0 * promised[k],
+               100.0 * fixed[0] / (CASES * draws), 100.0 * wrong[0] / (CASES * draws),
+               100.0 * fixed[1] / (CASES * draws), 100.0 * wrong[1] / (CASES * draws), 100.0 * worst / draws);
+        expect_at_most(wrong[1], CASES * draws, promised[k]);
+    }
+}
+
 int main(int argc, char **argv)
 {
     if (argc > 1) { draws = atoi(argv[1]); }
@@ -272,5 +301,6 @@ int main(int argc, char **argv)
     RUN_TEST(a_refused_problem_is_left_as_it_was);
     RUN_TEST(a_bad_pivot_takes_its_system_out);
     RUN_TEST(partial_fixing_fixes_more_at_a_bounded_rate_of_wrong_ones);
+    RUN_TEST(wrong_fixes_stay_below_every_promise);
     return UNITY_END();
 }
