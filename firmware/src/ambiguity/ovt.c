@@ -1,13 +1,18 @@
 /* ovt.c - do the integers stay the same from epoch to epoch? */
 #include "ambiguity_internal.h"
 #include "pelorus/ambiguity_methods.h"
+#include "pelorus/math.h"
 
 #define NOT_THERE (-1)
+#define SAME_CARRIER                                                                                                   \
+    0.007 /* of a wavelength: GLONASS channels differ by less, carriers of a satellite by four times as much */
 
 static int find(const pel_ovt_t *o, uint8_t sat, double lambda_m)
 {
     for (int i = 0; i < o->n; i++) {
-        if (o->entry[i].sat == sat && o->entry[i].lambda_m == (float)lambda_m) { return i; }
+        if (o->entry[i].sat == sat && pel_fabs((double)o->entry[i].lambda_m - lambda_m) < SAME_CARRIER * lambda_m) {
+            return i;
+        }
     }
     return NOT_THERE;
 }
