@@ -351,7 +351,7 @@ typedef struct {
  * system; for one that is too weak (success, budget, ratio) the others. As many searches as there are systems are kept for the systems.
  *
  * Every subset is a problem of its own, with every test of pel_int_validate(); one whose bootstrapped success rate is below success_min
- * is not searched. What failure_max promises is promised for all tries together: half for the first, the rest shared.
+ * is not searched. What failure_max promises is promised for all tries together: half for the first (all of it if there is one try), the rest shared.
  *
  *  budget     in  nodes for all tries together; half of what is left for each but the last
  *  max_tries  in  searches at most, 1..63 (8 is plenty), with at most twice as many problems set up

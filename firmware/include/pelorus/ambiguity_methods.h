@@ -69,18 +69,19 @@ typedef enum {
     PEL_CASCADE_NONE = 0, /* nothing fixed */
     PEL_CASCADE_WIDE,     /* wide-lane integers: position of centimetres to decimetres, by ionosphere */
     PEL_CASCADE_NARROW    /* both carriers of the satellites in `fixed` */
-} pel_amb_level_t;
+} pel_cascade_level_t;
 
-/* A cascade under way and its result. About 4.7 KB at PEL_MAX_AMB = 40. Callers may read the first group. */
+/* A cascade under way and its result. 4320 bytes at PEL_MAX_AMB = 40. Callers may read the first group. */
 typedef struct {
-    uint8_t level; /* pel_amb_level_t reached, at the end */
-    int n_pairs, n_wide,
-        n_narrow; /* satellites with two carriers; of these wide-lane, and narrow-lane integers fixed */
-    pel_int_verdict_t wide,
-        narrow; /* of each step, with its subset; narrow.reason PEL_INT_NOT_TRIED if wide was refused */
-    double b[3],
-        P_b[3]
-           [3]; /* position from phases alone, of the level reached or of the wide lanes if better: true - predicted, m, m^2 */
+    uint8_t level;            /* pel_cascade_level_t reached, at the end */
+    int n_pairs;              /* satellites with two carriers, */
+    int n_wide;               /* of these wide-lane integers fixed, */
+    int n_narrow;             /* and both carriers' */
+    pel_int_verdict_t wide;   /* of each step, with its subset */
+    pel_int_verdict_t narrow; /* PEL_INT_NOT_TRIED if wide was refused */
+    double b
+        [3]; /* position from phases alone: true - predicted, m; of the level reached, or of the wide lanes if better */
+    double P_b[3][3];                  /* m^2 */
     uint8_t row1[PEL_CASCADE_PAIRS];   /* rows of a pair in the problem: the carrier of higher frequency, */
     uint8_t row2[PEL_CASCADE_PAIRS];   /* and of lower */
     bool is_wide[PEL_CASCADE_PAIRS];   /* its N_wide is fixed */

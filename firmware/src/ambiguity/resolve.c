@@ -16,7 +16,7 @@ pel_status_t pel_amb_resolve_begin(pel_amb_resolver_t *r, const pel_amb_problem_
         return PEL_E_RANGE;
     }
     r->limits = *limits;
-    r->limits.failure_max *= 0.5; /* the other half is for the subsets */
+    if (max_tries > 1) { r->limits.failure_max *= 0.5; } /* the other half is for the subsets */
     r->budget = budget;
     r->stage = SET_UP;
     r->subset = PEL_AMB_ALL;
