@@ -351,9 +351,9 @@ typedef struct {
  * system; for one that is too weak (success, budget, ratio) the others. As many searches as there are systems are kept for the systems.
  *
  * Every subset is a problem of its own, with every test of pel_int_validate(); one whose bootstrapped success rate is below success_min
- * is not searched. What failure_max promises is promised for all tries together: half for the first (all of it if there is one try), the rest shared.
+ * is not searched. Nodes and what failure_max promises are for all tries together: each but the last has half of what is left.
  *
- *  budget     in  nodes for all tries together; half of what is left for each but the last
+ *  budget     in  nodes for all tries together
  *  max_tries  in  searches at most, 1..63 (8 is plenty), with at most twice as many problems set up
  * PEL_E_RANGE: budget or max_tries out of range, n_rows not 0..PEL_MAX_AMB. */
 pel_status_t pel_amb_resolve_begin(pel_amb_resolver_t *r, const pel_amb_problem_t *p, const pel_int_limits_t *limits,

@@ -79,9 +79,8 @@ typedef struct {
     int n_narrow;             /* and both carriers' */
     pel_int_verdict_t wide;   /* of each step, with its subset */
     pel_int_verdict_t narrow; /* PEL_INT_NOT_TRIED if wide was refused */
-    double b
-        [3]; /* position from phases alone: true - predicted, m; of the level reached, or of the wide lanes if better */
-    double P_b[3][3];                  /* m^2 */
+    double b[3];      /* true - predicted, m, from phases of the level reached alone (of the wide lanes if better) */
+    double P_b[3][3]; /* m^2 */
     uint8_t row1[PEL_CASCADE_PAIRS];   /* rows of a pair in the problem: the carrier of higher frequency, */
     uint8_t row2[PEL_CASCADE_PAIRS];   /* and of lower */
     bool is_wide[PEL_CASCADE_PAIRS];   /* its N_wide is fixed */

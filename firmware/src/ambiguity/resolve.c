@@ -16,7 +16,7 @@ pel_status_t pel_amb_resolve_begin(pel_amb_resolver_t *r, const pel_amb_problem_
         return PEL_E_RANGE;
     }
     r->limits = *limits;
-    if (max_tries > 1) { r->limits.failure_max *= 0.5; } /* the other half is for the subsets */
+    if (max_tries > 1) { r->limits.failure_max *= 0.5; }
     r->budget = budget;
     r->stage = SET_UP;
     r->subset = PEL_AMB_ALL;
@@ -58,7 +58,6 @@ static pel_status_t try_less(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_in
 static pel_status_t plan(pel_amb_resolver_t *r, pel_amb_problem_t *p, const pel_ils_t *s, pel_int_verdict_t *v)
 {
     const unsigned failed = r->first.failed;
-    if (r->tries > 0) { r->limits.failure_max /= r->tries; }
     r->subset = PEL_AMB_WITHOUT_SUSPECT;
     r->n_suspects = 0;
     r->agreed = 0;
@@ -82,6 +81,7 @@ static pel_status_t set_up(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_
         *v = (pel_int_verdict_t){.reason = PEL_INT_NOT_TRIED, .worst_row = -1};
         return end(r, p, status);
     }
+    if (r->subset != PEL_AMB_ALL && r->tries > 1) { r->limits.failure_max *= 0.5; } /* half of what is left */
     r->tries--;
     r->stage = SEARCH;
     return PEL_W_RUNNING;
