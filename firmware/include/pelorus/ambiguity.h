@@ -6,7 +6,7 @@
  *   while (pel_ils_run(&ils, 500) == PEL_W_RUNNING) between two slices the caller may do other things
  *   pel_int_validate(&problem, &ils, &limits, &verdict)
  *   pel_ils_get(&ils, 0, integers, NULL)            if verdict.reason == PEL_INT_OK
- * or all of it, dropping bad satellites a few times, by pel_amb_resolve().
+ * or all of it, with smaller problems when the whole is refused, by pel_amb_resolve() or in slices by pel_amb_resolve_step().
  *
  * All state is the caller's; nothing is kept between calls elsewhere; no call recurses. Derivations: docs/INTEGERS.md. */
 #ifndef PELORUS_AMBIGUITY_H
@@ -301,8 +301,12 @@ typedef struct {
     int chi2_dof;
     double band_worst; /* largest |u| / half width of all pairs; 0 if there is no pair */
     int n_pairs;
-    double prior_sq; /* Mahalanobis distance squared of the fixed position from the prior; 0 without one */
-    int worst_row;   /* row with the largest normalised fixed residual, -1 if there is none */
+    double prior_sq;      /* Mahalanobis distance squared of the fixed position from the prior; 0 without one */
+    int worst_row;        /* row with the largest normalised fixed residual, -1 if there is none */
+    int n_integers;       /* integers judged */
+    int n_asked;          /* integers asked for; more than n_integers if only a subset was solved for */
+    uint8_t subset;       /* pel_amb_subset_t, set by pel_amb_resolve(); 0 otherwise */
+    uint8_t subset_index; /* of its kind: 0 the first suspect, ..., or the system's number in the order of the groups */
 } pel_int_verdict_t;
 
 /* Sane limits: ratio 2, success 0.95, chi-square 99.9 %, prior 5 sigma, ionosphere 3 sigma, 4 integers. */
@@ -314,15 +318,62 @@ void pel_int_limits_default(pel_int_limits_t *limits);
 pel_status_t pel_int_validate(const pel_amb_problem_t *p, const pel_ils_t *s, const pel_int_limits_t *limits,
                               pel_int_verdict_t *v);
 
-/* Float, search, verdict; on refusal try again with fewer satellites, at most max_tries solutions in all (8 is plenty): a problem that
- * does not fit leaves out one satellite at a time, the worst fitting first; one that is only too weak loses its noisiest satellites.
+/* ==== one epoch's integers, in slices =========================================================================== */
+
+/* Which of the integers asked for were solved for, and why: in the order in which they are tried. */
+typedef enum {
+    PEL_AMB_ALL = 0,         /* all of them */
+    PEL_AMB_WITHOUT_SUSPECT, /* did not fit: one satellite is out, its codes too; those that fit worst first */
+    PEL_AMB_AGREED,       /* too weak, but it fits: only those in which best and second best agree; up to three times */
+    PEL_AMB_TWO_CARRIERS, /* too weak: only satellites with two carriers or more */
+    PEL_AMB_WITHOUT_NOISIEST, /* too weak: the noisiest satellites are out, all their carriers; one more each time */
+    PEL_AMB_WITHOUT_SYSTEM    /* either: one system is out (groups that share satellites are one system) */
+} pel_amb_subset_t;
+
+/* A resolution under way. 232 bytes at PEL_MAX_AMB = 40; all private. The rows of the problem show the subset at hand. */
+typedef struct {
+    pel_int_limits_t limits; /* of one try */
+    pel_int_verdict_t first; /* verdict of all together */
+    uint64_t asked_integer, asked_code;
+    uint64_t agreed; /* rows in which best and second best were the same */
+    int32_t budget;  /* nodes left */
+    uint8_t stage;
+    uint8_t subset;       /* pel_amb_subset_t */
+    uint8_t index;        /* of the next of its kind */
+    int8_t tries, setups; /* left */
+    uint8_t n_systems;
+    uint8_t n_suspects; /* satellites to leave out, the worst first */
+    uint8_t suspect[PEL_MAX_AMB];
+} pel_amb_resolver_t;
+
+/* Begin with all integers of the problem. When all together are refused, smaller problems are tried, in the order of pel_amb_subset_t:
+ * for a problem that does not fit (chi-square, band, prior) though its model is strong, each satellite left out in turn, then each
+ * system; for one that is too weak (success, budget, ratio) the others. As many searches as there are systems are kept for the systems.
  *
- *  p  in/out  PEL_OK: rows given up have `integer` (and, if they did not fit, `code`) cleared; else as it was
+ * Every subset is a problem of its own, with every test of pel_int_validate(); one whose bootstrapped success rate is below success_min
+ * is not searched. Nodes and what failure_max promises are for all tries together: each but the last has half of what is left.
+ *
+ *  budget     in  nodes for all tries together
+ *  max_tries  in  searches at most, 1..63 (8 is plenty), with at most twice as many problems set up
+ * PEL_E_RANGE: budget or max_tries out of range, n_rows not 0..PEL_MAX_AMB. */
+pel_status_t pel_amb_resolve_begin(pel_amb_resolver_t *r, const pel_amb_problem_t *p, const pel_int_limits_t *limits,
+                                   int32_t budget, int max_tries);
+
+/* One step: a float problem set up and decorrelated, or at most max_nodes (>= 1) nodes of a search, or one verdict. The results do not
+ * depend on max_nodes.
+ *
+ *  p  in/out  the problem begun with, not touched by others meanwhile. At the end: rows given up have `integer` (and, if suspected,
+ *             `code`) cleared if fixed, else as it was
+ *  s  in/out  engine, the same in all steps
  *  N  out     [PEL_MAX_AMB] by row of p (0 where `integer` is false); unchanged unless PEL_OK
- *  v  out     verdict of the solution delivered; PEL_W_REJECTED: of the first try, which used all satellites
+ *  v  out     at the end: verdict of the subset fixed, or that of all together; unchanged before
  *
- * PEL_OK: fixed. PEL_W_REJECTED: not fixed, v says why. < 0: as pel_amb_float(), v->reason is PEL_INT_NOT_TRIED.
- * The node budget is for all tries together. */
+ * PEL_W_RUNNING: call again. PEL_OK: fixed, v tells the subset. PEL_W_REJECTED: not fixed, v says why. < 0: as pel_amb_float(),
+ * v->reason is PEL_INT_NOT_TRIED. PEL_E_MISSING also: already ended. */
+pel_status_t pel_amb_resolve_step(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_t *s, int32_t max_nodes,
+                                  int64_t *N, pel_int_verdict_t *v);
+
+/* Begin and all steps in one call. */
 pel_status_t pel_amb_resolve(pel_amb_problem_t *p, pel_ils_t *s, const pel_int_limits_t *limits, int32_t budget,
                              int max_tries, int64_t *N, pel_int_verdict_t *v);
 

@@ -52,4 +52,15 @@ pel_status_t pel_ils_first_node(pel_ils_t *s);
  * integer is sought. N in the order of the rows with `integer`. */
 void pel_amb_misfits(const pel_amb_problem_t *p, const int64_t *N, const double b[3], float misfit[PEL_MAX_AMB]);
 
+/* The rows taking part when the caller asked: into r; and back from it. */
+void pel_subset_remember(pel_amb_resolver_t *r, const pel_amb_problem_t *p);
+void pel_subset_restore(const pel_amb_resolver_t *r, pel_amb_problem_t *p);
+
+/* From the solution of all together: the satellites that fit worst; the rows in which best and second best are the same. */
+void pel_subset_list_suspects(pel_amb_resolver_t *r, const pel_amb_problem_t *p, const pel_ils_t *s);
+void pel_subset_note_agreement(pel_amb_resolver_t *r, const pel_amb_problem_t *p, const pel_ils_t *s);
+
+/* Rows of the next subset; those for weakness only if `weak`. False: none left, all rows restored. */
+bool pel_subset_next(pel_amb_resolver_t *r, pel_amb_problem_t *p, bool weak);
+
 #endif

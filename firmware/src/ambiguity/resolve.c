@@ -1,90 +1,105 @@
-/* resolve.c - one epoch's integers in one call, with a bounded number of smaller problems when the whole one is refused.
- *
- * A problem that is too weak loses its noisiest satellites one after the other. A problem that does not fit has a satellite that is
- * wrong (half cycle, multipath), and then the integers of all are wrong and no residual points at it surely: each satellite is left
- * out in turn, those that fit worst first. */
+/* resolve.c - one epoch's integers in slices: float, search, verdict, and a bounded number of smaller problems when the whole is refused. */
 #include "ambiguity_internal.h"
 
-#define MISFIT ((1u << PEL_INT_CHI2) | (1u << PEL_INT_BAND) | (1u << PEL_INT_PRIOR))
+#define BIT(reason) (1u << (reason))
+#define MISFIT      (BIT(PEL_INT_CHI2) | BIT(PEL_INT_BAND) | BIT(PEL_INT_PRIOR))
+#define WEAK        (BIT(PEL_INT_SUCCESS) | BIT(PEL_INT_RATIO) | BIT(PEL_INT_BUDGET))
+#define UNSURE      (BIT(PEL_INT_SUCCESS) | BIT(PEL_INT_BUDGET)) /* a misfit then blames nobody */
 
-_Static_assert(PEL_MAX_AMB <= 64, "rows are remembered by the bits of a word");
+enum { SET_UP, SEARCH, JUDGE, ENDED };
 
-/* Which rows took part when the caller asked. */
-typedef struct {
-    uint64_t integer, code;
-} rows_t;
-
-static rows_t remember(const pel_amb_problem_t *p)
+pel_status_t pel_amb_resolve_begin(pel_amb_resolver_t *r, const pel_amb_problem_t *p, const pel_int_limits_t *limits,
+                                   int32_t budget, int max_tries)
 {
-    rows_t r = {0, 0};
-    for (int i = 0; i < p->n_rows; i++) {
-        if (p->row[i].integer) { r.integer |= UINT64_C(1) << i; }
-        if (p->row[i].code) { r.code |= UINT64_C(1) << i; }
+    if (p->n_rows < 0 || p->n_rows > PEL_MAX_AMB || budget < 1 || max_tries < 1 || max_tries > 63) {
+        r->stage = ENDED;
+        return PEL_E_RANGE;
     }
-    return r;
+    r->limits = *limits;
+    if (max_tries > 1) { r->limits.failure_max *= 0.5; }
+    r->budget = budget;
+    r->stage = SET_UP;
+    r->subset = PEL_AMB_ALL;
+    r->index = 0;
+    r->tries = (int8_t)max_tries;
+    r->setups = (int8_t)(2 * max_tries);
+    pel_subset_remember(r, p);
+    return PEL_OK;
 }
 
-static void restore(pel_amb_problem_t *p, const rows_t *r)
+static pel_status_t end(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_status_t status)
 {
-    for (int i = 0; i < p->n_rows; i++) {
-        p->row[i].integer = ((r->integer >> i) & 1u) != 0;
-        p->row[i].code = ((r->code >> i) & 1u) != 0;
-    }
+    r->stage = ENDED;
+    if (status != PEL_OK) { pel_subset_restore(r, p); }
+    return status;
 }
 
-/* One satellite out: its phases, and its codes too if it is suspected rather than weak. */
-static void drop(pel_amb_problem_t *p, uint8_t sat, bool suspected)
+static void count_integers(const pel_amb_resolver_t *r, const pel_ils_t *s, pel_int_verdict_t *v)
 {
-    for (int i = 0; i < p->n_rows; i++) {
-        if (p->row[i].sat != sat) { continue; }
-        p->row[i].integer = false;
-        if (suspected) { p->row[i].code = false; }
-    }
+    v->n_integers = s->n;
+    v->n_asked = 0;
+    for (uint64_t rows = r->asked_integer; rows != 0; rows &= rows - 1) { v->n_asked++; }
+    v->subset = r->subset;
+    v->subset_index = (r->subset == PEL_AMB_ALL) ? 0 : (uint8_t)(r->index - 1);
 }
 
-static int noisiest_row(const pel_amb_problem_t *p)
+/* On to the next subset, or the end. */
+static pel_status_t try_less(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_int_verdict_t *v)
 {
-    int worst = -1;
-    for (int i = 0; i < p->n_rows; i++) {
-        if (p->row[i].integer && (worst < 0 || p->row[i].var_phase > p->row[worst].var_phase)) { worst = i; }
+    if (r->tries > 0 && r->setups > 0 && r->budget > 0 && pel_subset_next(r, p, (r->first.failed & WEAK) != 0)) {
+        r->stage = SET_UP;
+        return PEL_W_RUNNING;
     }
-    return worst;
+    *v = r->first;
+    return end(r, p, PEL_W_REJECTED);
 }
 
-/* The row that fits worst of the satellites not yet suspected; its satellite's rows are taken off the list. -1: none left. */
-static int next_suspect(const pel_amb_problem_t *p, float misfit[PEL_MAX_AMB])
+/* All together were refused: what is worth trying? */
+static pel_status_t plan(pel_amb_resolver_t *r, pel_amb_problem_t *p, const pel_ils_t *s, pel_int_verdict_t *v)
 {
-    int worst = -1;
-    for (int i = 0; i < p->n_rows; i++) {
-        if (misfit[i] > 0.0f && (worst < 0 || misfit[i] > misfit[worst])) { worst = i; }
+    const unsigned failed = r->first.failed;
+    r->subset = PEL_AMB_WITHOUT_SUSPECT;
+    r->n_suspects = 0;
+    r->agreed = 0;
+    if ((failed & MISFIT) == 0) {
+        pel_subset_note_agreement(r, p, s);
+    } else if ((failed & UNSURE) == 0) {
+        pel_subset_list_suspects(r, p, s);
     }
-    for (int i = 0; worst >= 0 && i < p->n_rows; i++) {
-        if (p->row[i].sat == p->row[worst].sat) { misfit[i] = 0.0f; }
-    }
-    return worst;
+    return try_less(r, p, v);
 }
 
-/* Float, search and verdict; takes the nodes off the budget. */
-static pel_status_t attempt(const pel_amb_problem_t *p, pel_ils_t *s, const pel_int_limits_t *limits, int32_t *budget,
-                            pel_int_verdict_t *v)
+static pel_status_t set_up(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_t *s, pel_int_verdict_t *v)
 {
-    pel_status_t status = pel_amb_float(p, s, 2, *budget);
-    if (status == PEL_OK) { status = pel_ils_run(s, INT32_MAX); }
-    if (status < 0) { return status; }
-    *budget -= s->nodes;
-    return pel_int_validate(p, s, limits, v);
+    const int32_t share = (r->tries > 1) ? (r->budget + 1) / 2 : r->budget;
+    const pel_status_t status = pel_amb_float(p, s, 2, share);
+    r->setups--;
+    if (r->subset != PEL_AMB_ALL && (status != PEL_OK || !(pel_ils_success(s) >= r->limits.success_min))) {
+        return try_less(r, p, v);
+    }
+    if (status != PEL_OK) {
+        *v = (pel_int_verdict_t){.reason = PEL_INT_NOT_TRIED, .worst_row = -1};
+        return end(r, p, status);
+    }
+    if (r->subset != PEL_AMB_ALL && r->tries > 1) { r->limits.failure_max *= 0.5; } /* half of what is left */
+    r->tries--;
+    r->stage = SEARCH;
+    return PEL_W_RUNNING;
 }
 
-static void list_misfits(const pel_amb_problem_t *p, const pel_ils_t *s, float misfit[PEL_MAX_AMB])
+static pel_status_t search(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_t *s, int32_t max_nodes,
+                           pel_int_verdict_t *v)
 {
-    int64_t N[PEL_MAX_AMB];
-    double b[3];
-    double P[3][3];
-    double sq;
-    int dof;
-    for (int i = 0; i < p->n_rows; i++) { misfit[i] = 0.0f; }
-    if (pel_ils_get(s, 0, N, NULL) != PEL_OK || pel_amb_fixed(p, N, b, P, &sq, &dof) != PEL_OK) { return; }
-    pel_amb_misfits(p, N, b, misfit);
+    const pel_status_t status = pel_ils_run(s, max_nodes);
+    if (status == PEL_W_RUNNING) { return PEL_W_RUNNING; }
+    if (status >= 0) {
+        r->budget -= s->nodes;
+        r->stage = JUDGE;
+        return PEL_W_RUNNING;
+    }
+    if (r->subset != PEL_AMB_ALL) { return try_less(r, p, v); }
+    *v = (pel_int_verdict_t){.reason = PEL_INT_NOT_TRIED, .worst_row = -1};
+    return end(r, p, status);
 }
 
 static void deliver(const pel_amb_problem_t *p, const pel_ils_t *s, int64_t *N)
@@ -94,34 +109,42 @@ static void deliver(const pel_amb_problem_t *p, const pel_ils_t *s, int64_t *N)
     for (int i = 0, k = 0; i < p->n_rows; i++) { N[i] = p->row[i].integer ? sought[k++] : 0; }
 }
 
+static pel_status_t judge(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_t *s, int64_t *N, pel_int_verdict_t *v)
+{
+    pel_int_verdict_t verdict;
+    (void)pel_int_validate(p, s, &r->limits, &verdict);
+    count_integers(r, s, &verdict);
+    if (verdict.reason == PEL_INT_OK) {
+        *v = verdict;
+        deliver(p, s, N);
+        return end(r, p, PEL_OK);
+    }
+    if (r->subset == PEL_AMB_AGREED && (verdict.failed & MISFIT) == 0) { pel_subset_note_agreement(r, p, s); }
+    if (r->subset != PEL_AMB_ALL) { return try_less(r, p, v); }
+    r->first = verdict;
+    return plan(r, p, s, v);
+}
+
+pel_status_t pel_amb_resolve_step(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_t *s, int32_t max_nodes,
+                                  int64_t *N, pel_int_verdict_t *v)
+{
+    switch (r->stage) {
+    case SET_UP: return set_up(r, p, s, v);
+    case SEARCH: return search(r, p, s, max_nodes, v);
+    case JUDGE: return judge(r, p, s, N, v);
+    default: return PEL_E_MISSING;
+    }
+}
+
 pel_status_t pel_amb_resolve(pel_amb_problem_t *p, pel_ils_t *s, const pel_int_limits_t *limits, int32_t budget,
                              int max_tries, int64_t *N, pel_int_verdict_t *v)
 {
-    float misfit[PEL_MAX_AMB];
+    pel_amb_resolver_t r;
     *v = (pel_int_verdict_t){.reason = PEL_INT_NOT_TRIED, .worst_row = -1};
-    pel_int_verdict_t verdict = *v;
-    const pel_status_t status = attempt(p, s, limits, &budget, &verdict);
-    if (status < 0) { return status; }
-    *v = verdict;
-    const rows_t asked = remember(p);
-    const bool suspected = (verdict.failed & MISFIT) != 0;
-    if (verdict.reason != PEL_INT_OK && suspected) { list_misfits(p, s, misfit); }
-
-    for (int t = 1; verdict.reason != PEL_INT_OK && t < max_tries && budget > 0; t++) {
-        if (suspected) { restore(p, &asked); }
-        const int row = suspected ? next_suspect(p, misfit) : noisiest_row(p);
-        if (row < 0) { break; }
-        drop(p, p->row[row].sat, suspected);
-        if (pel_amb_count(p) < limits->n_min || attempt(p, s, limits, &budget, &verdict) < 0) {
-            if (suspected) { continue; }
-            break;
-        }
-    }
-    if (verdict.reason != PEL_INT_OK) {
-        restore(p, &asked);
-        return PEL_W_REJECTED;
-    }
-    *v = verdict;
-    deliver(p, s, N);
-    return PEL_OK;
+    pel_status_t status = pel_amb_resolve_begin(&r, p, limits, budget, max_tries);
+    if (status != PEL_OK) { return status; }
+    do {
+        status = pel_amb_resolve_step(&r, p, s, INT32_MAX, N, v);
+    } while (status == PEL_W_RUNNING);
+    return status;
 }

@@ -96,7 +96,7 @@ pel_status_t pel_int_validate(const pel_amb_problem_t *p, const pel_ils_t *s, co
     int64_t N_sought[PEL_MAX_AMB];
     int64_t N[PEL_MAX_AMB] = {0};
     double sq;
-    *v = (pel_int_verdict_t){.reason = PEL_INT_OK, .worst_row = -1};
+    *v = (pel_int_verdict_t){.reason = PEL_INT_OK, .worst_row = -1, .n_integers = s->n, .n_asked = s->n};
     if (s->n < limits->n_min || s->n != pel_amb_count(p)) { fail(v, PEL_INT_FEW); }
     if (s->stage != PEL_ILS_OPTIMAL) { fail(v, PEL_INT_BUDGET); }
     if (s->n != pel_amb_count(p) || pel_ils_get(s, 0, N_sought, &sq) != PEL_OK) { return PEL_E_MISSING; }

@@ -26,7 +26,19 @@ int rng_int(rng_t *r, int low, int high)
     return low + (int)(rng_uniform(r) * (high - low + 1));
 }
 
-sky_t sky_of(double lat_deg, double lon_deg, double h_m, double t_s, double mask_deg)
+/* Satellite k of 6 planes: argument of latitude at t = 0, degrees. */
+static double argument_24(int p, int s)
+{
+    return 90.0 * s + 30.0 * p + 7.0 * s * p;
+}
+
+static double argument_30(int p, int s)
+{
+    return 72.0 * s + 12.0 * p;
+}
+
+static sky_t look(int slots, double (*argument_deg)(int, int), double lat_deg, double lon_deg, double h_m, double t_s,
+                  double mask_deg)
 {
     const double a = 6378137.0;
     const double e2 = 6.69437999014e-3;
@@ -41,11 +53,11 @@ sky_t sky_of(double lat_deg, double lon_deg, double h_m, double t_s, double mask
                          (N * (1.0 - e2) + h_m) * sin(lat)};
     const double up[3] = {cos(lat) * cos(lon), cos(lat) * sin(lon), sin(lat)};
     sky_t sky = {0};
-    for (int k = 0; k < 24; k++) {
-        const int p = k / 4;
-        const int s = k % 4;
+    for (int k = 0; k < 6 * slots; k++) {
+        const int p = k / slots;
+        const int s = k % slots;
         const double node = 60.0 * p * PI / 180.0 - w_ie * t_s;
-        const double u = (90.0 * s + 30.0 * p + 7.0 * s * p) * PI / 180.0 + rate * t_s;
+        const double u = argument_deg(p, s) * PI / 180.0 + rate * t_s;
         const double x = orbit * cos(u);
         const double y = orbit * sin(u);
         const double sat[3] = {x * cos(node) - y * cos(inc) * sin(node), x * sin(node) + y * cos(inc) * cos(node),
@@ -70,6 +82,16 @@ sky_t sky_of(double lat_deg, double lon_deg, double h_m, double t_s, double mask
         for (int i = 0; i < 3; i++) { sky.u[at][i] = los[i] / d; }
     }
     return sky;
+}
+
+sky_t sky_of(double lat_deg, double lon_deg, double h_m, double t_s, double mask_deg)
+{
+    return look(4, argument_24, lat_deg, lon_deg, h_m, t_s, mask_deg);
+}
+
+sky_t sky_of_30(double lat_deg, double lon_deg, double h_m, double t_s, double mask_deg)
+{
+    return look(5, argument_30, lat_deg, lon_deg, h_m, t_s, mask_deg);
 }
 
 static double binomial_log(int k, int n, double p)

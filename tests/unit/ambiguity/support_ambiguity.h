@@ -27,6 +27,9 @@ typedef struct {
 /* The 24 satellites of S1 section 7 as seen from a site at t seconds. */
 sky_t sky_of(double lat_deg, double lon_deg, double h_m, double t_s, double mask_deg);
 
+/* The same with 30 satellites, 5 evenly in each of 6 planes, each plane 12 degrees ahead of the one before. */
+sky_t sky_of_30(double lat_deg, double lon_deg, double h_m, double t_s, double mask_deg);
+
 #define AMB_MAX 40
 
 typedef struct {
