@@ -9,11 +9,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROOMS = "base math earth wire gnss inertial model filter observe ambiguity attitude integrity tracking navigator".split()
 C_LIBRARY = {"stdint.h", "stddef.h", "stdbool.h", "string.h"}
 OF_BASE = {"base", "bits", "config", "solution"}  # headers that are the room base/
+OF_ROOM = {"snapshot": "navigator"}  # second headers of other rooms
 
 
 def allowed(room):
     above = ["base"] if room == "wire" else ROOMS[: ROOMS.index(room)]
-    return {*above, room, *OF_BASE}
+    return {*above, room, *OF_BASE, *(h for h, r in OF_ROOM.items() if r == room or r in above)}
 
 
 def includes(path):
@@ -26,7 +27,7 @@ def includes(path):
 def complaints():
     firmware = ROOT / "firmware"
     files = [(f, f.parent.name) for f in sorted((firmware / "src").glob("*/*.[ch]"))]
-    files += [(f, f.stem if f.stem in ROOMS else "base") for f in sorted((firmware / "include/pelorus").glob("*.h"))
+    files += [(f, f.stem if f.stem in ROOMS else OF_ROOM.get(f.stem, "base")) for f in sorted((firmware / "include/pelorus").glob("*.h"))
               if f.stem != "pelorus"]
     for path, room in files:
         for number, system, name in includes(path):

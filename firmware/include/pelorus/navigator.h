@@ -17,6 +17,7 @@
 #include "pelorus/inertial.h"
 #include "pelorus/model.h"
 #include "pelorus/observe.h"
+#include "pelorus/snapshot.h"
 #include "pelorus/solution.h"
 
 #ifdef __cplusplus
@@ -50,6 +51,7 @@ typedef struct {
     double roll_rad, pitch_rad, heading_rad;
     double sd_tilt_rad, sd_heading_rad;
     double align_speed_mps; /* above this speed heading may be taken from the velocity's course */
+    double warm_max_age_s;  /* a stored snapshot older than this is refused; 0: none is taken */
 
     pel_noise_config_t noise;        /* undifferenced observations; relative positioning */
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
@@ -79,7 +81,8 @@ typedef enum {
     PEL_NAV_SOLUTION, /* nav->solution: predicted to now, every output period */
     PEL_NAV_EPOCH,    /* nav->epoch_solution with PEL_SOL_AT_EPOCH, and nav->sats[0..n_sats-1] */
     PEL_NAV_USED,     /* nav->used: at the start and when it changes */
-    PEL_NAV_EVENT     /* nav->event */
+    PEL_NAV_EVENT,    /* nav->event */
+    PEL_NAV_WARM      /* nav->warm.report: once, when a snapshot was used or refused */
 } pel_nav_output_t;
 
 /* Poses kept for event marks, at most one each 10 ms: 2.5 s. */
@@ -245,6 +248,8 @@ typedef struct pel_navigator_t {
     pel_track_t track;
     pel_noise_level_t noise_level;
     pel_nav_update_t update;
+
+    pel_warm_t warm; /* the snapshot of the life before */
 
     pel_pose_ring_t poses;
     pel_time_t event_t_ns;

@@ -210,6 +210,7 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     out->n_sat = (uint8_t)pel_nav_satellites_used(nav);
     pel_nav_note_used(nav, rover, base);
     pel_nav_try_start_ins(nav);
+    pel_nav_warm_epoch(nav);
     nav->epoch_before_ns = nav->at_horizon.t_ns;
     for (int k = 0; k < 3; k++) { nav->v_before_e[k] = nav->at_horizon.v_eb_e[k]; }
     pel_nav_fill_solution(nav, &nav->at_horizon, out);

@@ -162,6 +162,17 @@ void pel_nav_track_close_loop(pel_navigator_t *nav);
  * phases hold the position already. */
 bool pel_nav_track_resolve(pel_navigator_t *nav, bool held, pel_nav_integers_t *out);
 
+/* ---- warm.c: the snapshot of the life before ---- */
+
+/* Attitude from a stored snapshot, if one waits and nothing speaks against it. Gives its verdict. */
+bool pel_nav_warm_attitude(pel_navigator_t *nav, pel_alignment_t *out);
+
+/* When the INS begins with that attitude: its sensor errors, and their sigmas into sd. */
+void pel_nav_warm_errors(pel_navigator_t *nav, pel_real sd[PEL_MAX_STATES]);
+
+/* After each epoch: does it stand still? */
+void pel_nav_warm_epoch(pel_navigator_t *nav);
+
 /* ---- output.c ---- */
 
 void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_solution_t *out);

@@ -334,7 +334,8 @@ bool pel_navigator_flush(pel_navigator_t *nav)
 
 pel_nav_output_t pel_navigator_poll(pel_navigator_t *nav)
 {
-    static const pel_nav_output_t ORDER[] = {PEL_NAV_USED, PEL_NAV_EPOCH, PEL_NAV_SOLUTION, PEL_NAV_EVENT};
+    static const pel_nav_output_t ORDER[] = {PEL_NAV_WARM, PEL_NAV_USED, PEL_NAV_EPOCH, PEL_NAV_SOLUTION,
+                                             PEL_NAV_EVENT};
     for (size_t i = 0; i < sizeof ORDER / sizeof ORDER[0]; i++) {
         const uint32_t bit = PEL_NAV_BIT(ORDER[i]);
         if ((nav->ready & bit) != 0) {

@@ -190,6 +190,7 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
         carry_given_attitude(nav, nav->at_horizon.t_ns, lat, lon, out);
         return true;
     }
+    if (pel_nav_warm_attitude(nav, out)) { return true; }
     if (nav->align.t_static_s >= STATIC_MIN_S && nav->align.still && stands_still(nav) &&
         pel_align_gyrocompass(&nav->align, lat, lon, h, COMPASS_SD_MAX_RAD, out) == PEL_OK) {
         return true;
@@ -249,6 +250,7 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
     pel_model_sensor_sd(&nav->model, sd);
     nav->errors = (pel_sensor_errors_t){{0}, {0}, {0}};
     calibrate_gyros(nav, attitude->C_b_e, sd);
+    pel_nav_warm_errors(nav, sd);
     pel_status_t status = pel_ud_init(&nav->ud, nav->model.n, sd);
     if (status == PEL_OK) {
         status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE), attitude->cov_psi_e);
