@@ -204,6 +204,26 @@ typedef struct {
     double gyro_constant[3], gyro_markov[3], accel_markov[3];
 } pel_sensor_errors_t;
 
+/* The last IMU sample and what is usual of the next one (navigator/admit.c). Private. */
+typedef struct {
+    pel_imu_t last;
+    double ms_dw, ms_df; /* mean squares of the change of rate and specific force */
+    uint8_t spikes;      /* refused in a row */
+    bool stuck;
+    uint16_t learnt;     /* samples seen, up to LEARN_SAMPLES */
+    uint16_t run[6];     /* samples since each number changed */
+    uint16_t longest[6]; /* while learning */
+} pel_admit_t;
+
+/* Whether the IMU's clock is believed (navigator/timing.c). Private. */
+typedef struct {
+    uint16_t seq;
+    bool have_lead, doubted;
+    double lead_s;    /* newest sample before the rover's newest epoch, as epochs arrive */
+    double doubted_s; /* for how long, by epochs */
+    pel_time_t epoch_ns;
+} pel_timing_t;
+
 typedef struct pel_navigator_t {
     pel_nav_config_t cfg;
     pel_orbits_t orbits;
@@ -240,6 +260,9 @@ typedef struct pel_navigator_t {
     uint8_t late_rover, late_base, late_imu; /* refused in a row for their time: many mean that time began anew */
     bool relative;                           /* rows are differenced against the base */
     uint8_t doubts;                          /* epochs in a row that refused most of their code */
+    uint8_t restless;                        /* and those whose Doppler contradicts the INS */
+    pel_admit_t admit;
+    pel_timing_t timing;
 
     pel_view_t view_rover, view_base;
     pel_sd_set_t sd;

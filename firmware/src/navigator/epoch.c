@@ -35,6 +35,10 @@ static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solv
     const pel_status_t status =
         pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, NULL, &nav->view_rover, &spp);
     *solved = status >= 0;
+    if (*solved && !pel_nav_spp_is_plausible(&spp)) {
+        nav->counters.epochs_spp_failed++;
+        return false;
+    }
     if (*solved) {
         nav->spp = spp;
         nav->have_spp = true;
@@ -97,6 +101,7 @@ static bool difference(pel_navigator_t *nav, const pel_epoch_t *rover, pel_epoch
         PEL_OK) {
         return false;
     }
+    if (!pel_nav_base_is_plausible(nav, base)) { return false; }
     forget_ionosphere(&nav->view_rover);
     forget_ionosphere(&nav->view_base);
     return pel_sd_form(rover, &nav->view_rover, base, &nav->view_base, &nav->cfg.noise, age_s, &nav->sd) == PEL_OK &&
@@ -185,7 +190,9 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     const bool phases_misfit = u->held_refused > u->held_used;
     nav->track.misfits = (uint8_t)(phases_misfit ? nav->track.misfits + 1 : 0);
     if (nav->track.misfits >= MAX_MISFITS) { pel_nav_track_clear(nav); }
-    if (!broken && nav->doubts < MAX_DOUBTS) { return; }
+    const bool contradicted = pel_nav_ins_is_contradicted(nav);
+    if (!broken && nav->doubts < MAX_DOUBTS && !contradicted) { return; }
+    nav->restless = 0;
     nav->counters.restarts++;
     nav->epoch_solution.flags |= PEL_SOL_RESTARTED;
     const bool fresh = nav->have_spp && nav->spp.t_ns == nav->at_horizon.t_ns; /* never back in time */

@@ -279,6 +279,7 @@ void pel_nav_try_start_ins(pel_navigator_t *nav)
 {
     const pel_preset_t preset = nav->cfg.preset;
     const pel_time_t t_ns = nav->at_horizon.t_ns;
+    if (nav->timing.doubted) { return; }
     if (nav->ins || preset == PEL_PRESET_SINGLE || preset == PEL_PRESET_RTK) { return; }
     const pel_imu_t *oldest = pel_imu_ring_oldest(&nav->ring);
     if (oldest == NULL || oldest->t_ns > t_ns - IMU_READY_NS || nav->last_imu_ns < t_ns) { return; }
