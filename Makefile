@@ -29,6 +29,9 @@ promise: all ## wrong fixes of simulated epochs beside the promised rate: table,
 replay: all ## replay real recordings, one table
 	@cmake/bootstrap.sh test && $(PYTHON) -m replay $(ARGS)
 
+faults: all ## every fault on every line in every phase against its table; writes docs/FAULTS.md
+	@cmake/bootstrap.sh test && $(PYTHON) tests/scenario/fault_campaign.py --docs docs/FAULTS.md $(ARGS)
+
 format: ## clang-format every C and C++ file
 	@git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp' | xargs clang-format -i
 
@@ -41,4 +44,4 @@ clean: ## remove what was built, keep what was fetched
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-.PHONY: all demo test firmware check bench promise replay format asan clean help
+.PHONY: all demo test firmware check bench promise replay faults format asan clean help

@@ -9,6 +9,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROOMS = "base math earth wire gnss inertial model filter observe ambiguity attitude integrity tracking navigator".split()
 C_LIBRARY = {"stdint.h", "stddef.h", "stdbool.h", "string.h"}
 OF_BASE = {"base", "bits", "config", "solution"}  # headers that are the room base/
+OF_ROOM = {"snapshot": "navigator"}  # second headers of other rooms
 
 
 def room_of_header(stem):
@@ -19,7 +20,7 @@ def room_of_header(stem):
 
 def allowed(room):
     above = ["base"] if room == "wire" else ROOMS[: ROOMS.index(room)]
-    return {*above, room, *OF_BASE}
+    return {*above, room, *OF_BASE, *(h for h, r in OF_ROOM.items() if r == room or r in above)}
 
 
 def includes(path):
@@ -32,7 +33,7 @@ def includes(path):
 def complaints():
     firmware = ROOT / "firmware"
     files = [(f, f.parent.name) for f in sorted((firmware / "src").glob("*/*.[ch]"))]
-    files += [(f, room_of_header(f.stem)) for f in sorted((firmware / "include/pelorus").glob("*.h"))
+    files += [(f, OF_ROOM.get(f.stem, room_of_header(f.stem))) for f in sorted((firmware / "include/pelorus").glob("*.h"))
               if f.stem != "pelorus"]
     for path, room in files:
         for number, system, name in includes(path):

@@ -4,6 +4,7 @@
 
 #include "hal.h"
 #include "pelorus/wire.h"
+#include "store.h"
 
 /* Seconds between counter frames. */
 #define COUNTERS_EVERY_NS (10 * PEL_NS_PER_S)
@@ -50,7 +51,9 @@ static void send_outputs(void)
                 counters_due_ns = navigator.epoch_solution.t_ns + COUNTERS_EVERY_NS;
                 send_counters(navigator.epoch_solution.t_ns);
             }
+            store_save_if_due(&navigator, frame, sizeof frame);
             break;
+        case PEL_NAV_WARM: send(pel_out_encode_warm(&navigator.warm.report, frame, sizeof frame)); break;
         }
     }
 }
@@ -131,6 +134,7 @@ static void start(void)
     pel_nav_config_default(&cfg);
     (void)hal_load_config(&cfg);
     pel_navigator_init(&navigator, &cfg);
+    store_restore(&navigator, frame, sizeof frame);
     pel_imu_stream_init(&imu_stream);
     pel_imu_stream_init(&aux_stream);
     pel_receiver_init(&rover);

@@ -261,20 +261,33 @@ bool hal_load_config(pel_nav_config_t *cfg)
     return code == 0;
 }
 
+static bool store_path(int slot, char *path, size_t cap)
+{
+    if (desktop.options.store == NULL) { return false; }
+    const int n = snprintf(path, cap, "%s.%d", desktop.options.store, slot);
+    return n > 0 && (size_t)n < cap;
+}
+
 size_t hal_store_read(int slot, uint8_t *buf, size_t cap)
 {
-    (void)slot;
-    (void)buf;
-    (void)cap;
-    return 0;
+    char path[4096];
+    if (!store_path(slot, path, sizeof path)) { return 0; }
+    FILE *f = fopen(path, "rb");
+    if (f == NULL) { return 0; }
+    const size_t n = fread(buf, 1, cap, f);
+    (void)fclose(f);
+    return n;
 }
 
 size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
 {
-    (void)slot;
-    (void)buf;
-    (void)n;
-    return 0;
+    char path[4096];
+    if (!store_path(slot, path, sizeof path)) { return 0; }
+    FILE *f = fopen(path, "wb");
+    if (f == NULL) { return 0; }
+    size_t written = fwrite(buf, 1, n, f);
+    if (fclose(f) != 0) { written = 0; }
+    return written;
 }
 
 void hal_watchdog_kick(void) {}

@@ -16,6 +16,7 @@ typedef struct {
     const char *input;   /* capture file, "-", or an LCM URL */
     const char *output;  /* OUT file, "-", or an LCM URL */
     const char *config;  /* TOML file or NULL */
+    const char *store;   /* FILE: slots are FILE.0 and FILE.1; NULL: no store */
     const char *command; /* the command line, for the record */
     bool realtime;
     const cli_t *cli; /* progress */

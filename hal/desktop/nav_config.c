@@ -149,6 +149,7 @@ static void read_start(config_file_t *c, pel_nav_config_t *cfg)
     cfg->sd_tilt_rad = within(c, "navigator.start.sd_tilt_deg", cfg->sd_tilt_rad / PEL_DEG, 1e-5, 90.0) * PEL_DEG;
     cfg->sd_heading_rad =
         within(c, "navigator.start.sd_heading_deg", cfg->sd_heading_rad / PEL_DEG, 1e-5, 180.0) * PEL_DEG;
+    cfg->warm_max_age_s = within(c, "navigator.start.warm_max_age_s", cfg->warm_max_age_s, 0.0, 1e9);
     cfg->align_speed_mps = within(c, "navigator.start.align_speed_mps", cfg->align_speed_mps, 0.0, 1e3);
 }
 

@@ -7,13 +7,15 @@
 #include "desktop.h"
 #include "version.h"
 
-enum { OPT_OUT, OPT_CONFIG, OPT_REALTIME, OPT_OUTAGE };
+enum { OPT_OUT, OPT_CONFIG, OPT_REALTIME, OPT_OUTAGE, OPT_STORE };
 
 static const cli_option_t OPTIONS[] = {
     {"output", 'o', "OUT", "where the output goes: a log file, '-', or an LCM URL (required)"},
     {"config", 'c', "FILE.toml", "the [navigator] table of this file instead of the capture's stored setup"},
     {"realtime", 0, NULL, "feed the firmware at the pace of the capture instead of as fast as it goes"},
     {"outage", 0, "START,LENGTH", "remove all GNSS for LENGTH s, START s after the first GNSS bytes (may be repeated)"},
+    {"store", 0, "FILE",
+     "the firmware's non-volatile store, FILE.0 and FILE.1: start warm from it, keep it up to date"},
 };
 
 static const cli_program_t PROGRAM = {
@@ -104,6 +106,7 @@ int main(int argc, char **argv)
         case OPT_OUT: options.output = cli.value; break;
         case OPT_CONFIG: options.config = cli.value; break;
         case OPT_REALTIME: options.realtime = true; break;
+        case OPT_STORE: options.store = cli.value; break;
         case OPT_OUTAGE: add_outage(&cli, &options); break;
         default: break;
         }

@@ -12,7 +12,7 @@ import numpy as np
 
 LONGEST_PAYLOAD = 8192
 
-SOLUTION, USED, COUNTERS, SATELLITES, EVENT = 0x10, 0x11, 0x12, 0x13, 0x14
+SOLUTION, USED, COUNTERS, SATELLITES, EVENT, WARM = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15
 VERSION = 1
 
 N_SYS = 6
@@ -22,6 +22,8 @@ CARRIERS = ("L1", "L2", "L5", "E5b", "E6", "B1I", "B3I")
 
 FIX = ("none", "spp", "float", "fixed", "coast")
 INT_REASON = ("ok", "not-tried", "few", "budget", "ratio", "chi2", "band", "prior", "success", "base-age")
+SNAPSHOT = ("none", "waiting", "used", "damaged", "newer version", "impossible value", "foreign", "remounted", "stale", "taken under way",
+            "not still", "moved", "turned")
 WHY = ("", "no data", "switched off", "no orbit", "no station position", "not aligned", "unsupported")
 
 SOL_INS, SOL_ATTITUDE, SOL_HEADING, SOL_AT_EPOCH, SOL_RESTARTED = 1, 2, 4, 8, 16
@@ -74,7 +76,9 @@ EVENT_DTYPE = _dtype(
     ("height_m", "f8"), ("omega_rad", "f4"), ("phi_rad", "f4"), ("kappa_rad", "f4"), ("sd_r_m", "f4", 3),
     ("sd_att_rad", "f4", 3))
 
-FIXED_SIZE = {SOLUTION: SOLUTION_DTYPE, USED: USED_DTYPE, COUNTERS: COUNTERS_DTYPE, EVENT: EVENT_DTYPE}
+WARM_DTYPE = _dtype(("t_ns", "i8"), ("verdict", "u1"), ("age_s", "f4"), ("count", "u4", len(SNAPSHOT)))
+
+FIXED_SIZE = {SOLUTION: SOLUTION_DTYPE, USED: USED_DTYPE, COUNTERS: COUNTERS_DTYPE, EVENT: EVENT_DTYPE, WARM: WARM_DTYPE}
 
 
 def _crc_table():
@@ -117,6 +121,7 @@ class Frames:
         self.counters = np.zeros(0, COUNTERS_DTYPE)
         self.satellites = np.zeros(0, SAT_AT_DTYPE)
         self.event = np.zeros(0, EVENT_DTYPE)
+        self.warm = np.zeros(0, WARM_DTYPE)
         self.nmea = []
         self.unknown = Counter()   # well-formed frames of an id or version this program does not know
         self.refused = Counter()   # by cause
@@ -228,7 +233,7 @@ def parse(data):
     at, length = at[chosen], length[chosen]
 
     ids = buf[at + 2]
-    for frame_id, name in ((SOLUTION, "solution"), (USED, "used"), (COUNTERS, "counters"), (EVENT, "event")):
+    for frame_id, name in ((SOLUTION, "solution"), (USED, "used"), (COUNTERS, "counters"), (EVENT, "event"), (WARM, "warm")):
         setattr(frames, name, _gather(buf, at[ids == frame_id] + 6, FIXED_SIZE[frame_id]))
     frames.satellites = _satellites(buf, at[ids == SATELLITES] + 6, length[ids == SATELLITES])
     return frames

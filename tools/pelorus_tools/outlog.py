@@ -147,6 +147,10 @@ def summary(run):
         age = sol["base_age_s"][(sol["base_age_s"] >= 0) & ((sol["flags"] & frames.SOL_AT_EPOCH) != 0)]
         if age.size:
             rows.append(("base age", "", f"median {np.median(age):.3g} s, longest {age.max():.3g} s", ""))
+    if run.frames.warm.size:
+        w = run.frames.warm[-1]
+        age = f"{w['age_s']:.0f} s old" if w["age_s"] > 0 else "stored"
+        rows.append(("snapshot", age, "yes" if w["verdict"] == 2 else "no", "" if w["verdict"] == 2 else word(frames.SNAPSHOT, w["verdict"])))
     for i, name in enumerate(frames.SYSTEMS):
         if not (u["rover_seen"][i] or u["base_carriers"][i] or u["carriers_used"][i]):
             continue

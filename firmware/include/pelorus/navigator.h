@@ -17,6 +17,7 @@
 #include "pelorus/inertial.h"
 #include "pelorus/model.h"
 #include "pelorus/observe.h"
+#include "pelorus/snapshot.h"
 #include "pelorus/solution.h"
 
 #ifdef __cplusplus
@@ -50,6 +51,7 @@ typedef struct {
     double roll_rad, pitch_rad, heading_rad;
     double sd_tilt_rad, sd_heading_rad;
     double align_speed_mps; /* above this speed heading may be taken from the velocity's course */
+    double warm_max_age_s;  /* a stored snapshot older than this is refused; 0: none is taken */
 
     pel_noise_config_t noise;        /* undifferenced observations; relative positioning */
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
@@ -80,7 +82,8 @@ typedef enum {
     PEL_NAV_SOLUTION, /* nav->solution: predicted to now, every output period */
     PEL_NAV_EPOCH,    /* nav->epoch_solution with PEL_SOL_AT_EPOCH, and nav->sats[0..n_sats-1] */
     PEL_NAV_USED,     /* nav->used: at the start and when it changes */
-    PEL_NAV_EVENT     /* nav->event */
+    PEL_NAV_EVENT,    /* nav->event */
+    PEL_NAV_WARM      /* nav->warm.report: once, when a snapshot was used or refused */
 } pel_nav_output_t;
 
 /* Poses kept for event marks, at most one each 10 ms: 2.5 s. */
@@ -209,6 +212,26 @@ typedef struct {
     double gyro_constant[3], gyro_markov[3], accel_markov[3];
 } pel_sensor_errors_t;
 
+/* The last IMU sample and what is usual of the next one (navigator/admit.c). Private. */
+typedef struct {
+    pel_imu_t last;
+    double ms_dw, ms_df; /* mean squares of the change of rate and specific force */
+    uint8_t spikes;      /* refused in a row */
+    bool stuck;
+    uint16_t learnt;     /* samples seen, up to LEARN_SAMPLES */
+    uint16_t run[6];     /* samples since each number changed */
+    uint16_t longest[6]; /* while learning */
+} pel_admit_t;
+
+/* Whether the IMU's clock is believed (navigator/timing.c). Private. */
+typedef struct {
+    uint16_t seq;
+    bool have_lead, doubted;
+    double lead_s;    /* newest sample before the rover's newest epoch, as epochs arrive */
+    double doubted_s; /* for how long, by epochs */
+    pel_time_t epoch_ns;
+} pel_timing_t;
+
 typedef struct pel_navigator_t {
     pel_nav_config_t cfg;
     pel_orbits_t orbits;
@@ -245,6 +268,9 @@ typedef struct pel_navigator_t {
     uint8_t late_rover, late_base, late_imu; /* refused in a row for their time: many mean that time began anew */
     bool relative;                           /* rows are differenced against the base */
     uint8_t doubts;                          /* epochs in a row that refused most of their code */
+    uint8_t restless;                        /* and those whose Doppler contradicts the INS */
+    pel_admit_t admit;
+    pel_timing_t timing;
 
     pel_view_t view_rover, view_base;
     pel_sd_set_t sd;
@@ -254,6 +280,8 @@ typedef struct pel_navigator_t {
     pel_noise_level_t noise_level;
     pel_hold_watch_t hold_watch;
     pel_nav_update_t update;
+
+    pel_warm_t warm; /* the snapshot of the life before */
 
     pel_pose_ring_t poses;
     pel_time_t event_t_ns;

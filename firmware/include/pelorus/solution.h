@@ -124,6 +124,32 @@ typedef struct {
     double r_station_e[3];
 } pel_used_t;
 
+/* What became of a stored snapshot (snapshot.h): one reason each. */
+typedef enum {
+    PEL_SNAP_NONE = 0,       /* there is none */
+    PEL_SNAP_WAITING = 1,    /* whole; the first epoch with an IMU will tell */
+    PEL_SNAP_USED = 2,       /* attitude and sensor errors were taken from it */
+    PEL_SNAP_DAMAGED = 3,    /* length or checksum: torn by a power cut, or worn */
+    PEL_SNAP_NEWER = 4,      /* of a version this firmware does not know */
+    PEL_SNAP_BAD_VALUE = 5,  /* a number that cannot be */
+    PEL_SNAP_FOREIGN = 6,    /* made with another IMU model or preset */
+    PEL_SNAP_REMOUNTED = 7,  /* made with another mounting or lever arm */
+    PEL_SNAP_STALE = 8,      /* too old, or of the future */
+    PEL_SNAP_UNDER_WAY = 9,  /* taken in motion: nothing says how it went on */
+    PEL_SNAP_NOT_STILL = 10, /* in motion now */
+    PEL_SNAP_MOVED = 11,     /* GNSS says another place */
+    PEL_SNAP_TURNED = 12,    /* gravity or the Earth's rate is felt from another side */
+    PEL_N_SNAP = 13
+} pel_snap_t;
+
+/* The verdict on a snapshot, told once, and how often each came since start. */
+typedef struct {
+    pel_time_t t_ns;
+    uint8_t verdict; /* pel_snap_t */
+    float age_s;     /* of the snapshot; 0 if it was refused before its age was known */
+    uint32_t count[PEL_N_SNAP];
+} pel_warm_report_t;
+
 /* One satellite's carrier of the last epoch, for sky plots and innovations. */
 typedef struct {
     uint8_t sys, prn, carrier;

@@ -155,7 +155,8 @@ typedef enum {
     PEL_OUT_USED = 0x11,
     PEL_OUT_COUNTERS = 0x12,
     PEL_OUT_SATS = 0x13,
-    PEL_OUT_EVENT = 0x14
+    PEL_OUT_EVENT = 0x14,
+    PEL_OUT_WARM = 0x15
 } pel_out_id_t;
 
 #define PEL_OUT_OVERHEAD  9 /* sync 2, id, version, length 2, CRC 3 */
@@ -171,6 +172,7 @@ size_t pel_out_encode_counters(const pel_nav_counters_t *nav, const pel_wire_cou
 size_t pel_out_encode_sats(pel_time_t t, const pel_sat_report_t *s, int n, uint8_t *out,
                            size_t cap); /* 0 <= n <= PEL_MAX_OBS */
 size_t pel_out_encode_event(const pel_event_t *e, uint8_t *out, size_t cap);
+size_t pel_out_encode_warm(const pel_warm_report_t *w, uint8_t *out, size_t cap);
 
 /* Decoders of payloads. PEL_E_FORMAT (outputs unchanged) when n is not the payload's length. */
 pel_status_t pel_out_decode_solution(const uint8_t *payload, size_t n, pel_solution_t *s);
@@ -181,6 +183,7 @@ pel_status_t pel_out_decode_counters(const uint8_t *payload, size_t n, pel_nav_c
 pel_status_t pel_out_decode_sats(const uint8_t *payload, size_t n, pel_time_t *t, pel_sat_report_t s[PEL_MAX_OBS],
                                  int *n_sats);
 pel_status_t pel_out_decode_event(const uint8_t *payload, size_t n, pel_event_t *e);
+pel_status_t pel_out_decode_warm(const uint8_t *payload, size_t n, pel_warm_report_t *w);
 
 /* Reads any Pelorus frames from a stream (NMEA between them is skipped as noise). For desktop tools. */
 typedef struct {

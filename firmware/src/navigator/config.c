@@ -29,6 +29,7 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     identity(cfg->C_s_b);
     identity(cfg->C_c_b);
     cfg->align_speed_mps = 1.0;
+    cfg->warm_max_age_s = 86400.0;
     cfg->sd_tilt_rad = 1.0 * PEL_DEG;
     cfg->sd_heading_rad = 5.0 * PEL_DEG;
 

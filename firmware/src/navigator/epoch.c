@@ -36,6 +36,10 @@ static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solv
     const pel_status_t status =
         pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, NULL, &nav->view_rover, &spp);
     *solved = status >= 0;
+    if (*solved && !pel_nav_spp_is_plausible(&spp)) {
+        nav->counters.epochs_spp_failed++;
+        return false;
+    }
     if (*solved) {
         nav->spp = spp;
         nav->have_spp = true;
@@ -96,6 +100,7 @@ static bool view_base(pel_navigator_t *nav, const pel_epoch_t *rover, pel_epoch_
         PEL_OK) {
         return false;
     }
+    if (!pel_nav_base_is_plausible(nav, base)) { return false; }
     forget_ionosphere(&nav->view_base);
     return true;
 }
@@ -224,9 +229,11 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     if (broken) { nav->counters.numeric_faults++; }
     const bool phases_misfit = u->held_refused > u->held_used;
     nav->track.misfits = (uint8_t)(phases_misfit ? nav->track.misfits + 1 : 0);
-    const bool contradicted = u->held_used >= 3 && pel_nav_hold_watch_contradicts(nav);
-    if (nav->track.misfits >= MAX_MISFITS || contradicted) { release(nav); }
-    if (!broken && nav->doubts < MAX_DOUBTS) { return; }
+    const bool codes_contradict = u->held_used >= 3 && pel_nav_hold_watch_contradicts(nav);
+    if (nav->track.misfits >= MAX_MISFITS || codes_contradict) { release(nav); }
+    const bool contradicted = pel_nav_ins_is_contradicted(nav);
+    if (!broken && nav->doubts < MAX_DOUBTS && !contradicted) { return; }
+    nav->restless = 0;
     nav->counters.restarts++;
     nav->epoch_solution.flags |= PEL_SOL_RESTARTED;
     const bool fresh = nav->have_spp && nav->spp.t_ns == nav->at_horizon.t_ns; /* never back in time */
@@ -251,6 +258,7 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     out->n_sat = (uint8_t)pel_nav_satellites_used(nav);
     pel_nav_note_used(nav, rover, base);
     pel_nav_try_start_ins(nav);
+    pel_nav_warm_epoch(nav);
     nav->epoch_before_ns = nav->at_horizon.t_ns;
     for (int k = 0; k < 3; k++) { nav->v_before_e[k] = nav->at_horizon.v_eb_e[k]; }
     pel_nav_fill_solution(nav, &nav->at_horizon, out);

@@ -73,6 +73,8 @@ static pel_status_t advance_ins(pel_navigator_t *nav, pel_time_t t_ns)
         const pel_status_t added = pel_propagator_add(&nav->propagator, &nav->model, nav->coning_horizon.dv_f_e,
                                                       part.dt_s, s->C_b_e, s->r_eb_e, &nav->ud);
         if (added < 0) { status = added; }
+        double turn, push;
+        if (pel_nav_doubt_of(nav, i, part.dt_s, &turn, &push)) { pel_nav_doubt_motion(nav, turn, push); }
     }
     const pel_status_t flushed = pel_propagator_flush(&nav->propagator, &nav->model, s->C_b_e, s->r_eb_e, &nav->ud);
     s->t_ns = t_ns;

@@ -171,6 +171,66 @@ void pel_nav_track_close_loop(pel_navigator_t *nav);
  * phases hold the position already. */
 bool pel_nav_track_resolve(pel_navigator_t *nav, bool held, pel_nav_integers_t *out);
 
+/* ---- warm.c: the snapshot of the life before ---- */
+
+/* Attitude from a stored snapshot, if one waits and nothing speaks against it. Gives its verdict. */
+bool pel_nav_warm_attitude(pel_navigator_t *nav, pel_alignment_t *out);
+
+/* When the INS begins with that attitude: its sensor errors, and their sigmas into sd. */
+void pel_nav_warm_errors(pel_navigator_t *nav, pel_real sd[PEL_MAX_STATES]);
+
+/* After each epoch: does it stand still? */
+void pel_nav_warm_epoch(pel_navigator_t *nav);
+
+/* ---- admit.c ---- */
+
+/* Numbers that a sensor can give, at a time that can be. */
+bool pel_nav_imu_is_sane(const pel_imu_t *imu);
+
+/* Private flags of increments in the ring: unlikely, and spanning lost ones. */
+#define PEL_NAV_IMU_JOLT   0x4000u
+#define PEL_NAV_IMU_BRIDGE 0x8000u
+
+/* After the last one, in order of time: refuses spikes and stuck sensors, tells a jolt. */
+bool pel_nav_admit_imu(pel_navigator_t *nav, const pel_imu_t *imu, bool *jolt);
+
+/* Variance of attitude and velocity that the part of the ring's i-th increment with this length brings. False: none. */
+bool pel_nav_doubt_of(const pel_navigator_t *nav, int i, double part_s, double *turn, double *push);
+
+/* Noise on attitude and velocity, variance of an axis: rad^2, (m/s)^2. Nothing without INS. */
+void pel_nav_doubt_motion(pel_navigator_t *nav, double turn, double push);
+
+/* ---- timing.c ---- */
+
+/* No INS until the IMU is as far ahead of the rover as it was, or a minute has passed. */
+void pel_nav_doubt_imu_clock(pel_navigator_t *nav);
+
+/* Do tag and sequence number contradict each other? gap_s: time missing before this sample by its tag. */
+bool pel_nav_imu_clock_jumped(pel_navigator_t *nav, const pel_imu_t *imu, double gap_s);
+
+/* A rover epoch arrives in order: how far is the IMU ahead of it? Ends the doubt of the IMU's clock when that is as before. */
+void pel_nav_note_lead(pel_navigator_t *nav, pel_time_t epoch_ns);
+
+/* ---- plausible.c ---- */
+
+bool pel_nav_spp_is_plausible(const pel_spp_t *spp);
+
+/* After nav->view_base: do the base's codes agree with its place, all but a clock? */
+bool pel_nav_base_is_plausible(const pel_navigator_t *nav, const pel_epoch_t *base);
+
+/* After the rows: has the Doppler of several epochs in a row contradicted the INS? */
+bool pel_nav_ins_is_contradicted(pel_navigator_t *nav);
+
+/* ---- predict.c ---- */
+
+/* Covariance in e of position, velocity and (with INS) attitude. */
+typedef struct {
+    double r[3][3], v[3][3], psi[3][3];
+} pel_nav_cov_t;
+
+/* That of a state predicted from the horizon, or of the horizon itself. */
+void pel_nav_predicted_cov(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_nav_cov_t *P);
+
 /* ---- output.c ---- */
 
 void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_solution_t *out);

@@ -157,8 +157,18 @@ static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_
     }
 }
 
+/* Before 1980 and after 2094 there is no GPS time. */
+static bool time_is_possible(pel_time_t t_ns)
+{
+    return t_ns > 0 && t_ns < INT64_C(6000) * PEL_NS_PER_WEEK;
+}
+
 void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
+    if (!time_is_possible(epoch->t_ns)) {
+        nav->counters.epochs_late++;
+        return;
+    }
     if (epoch->t_ns <= nav->last_tag_ns) {
         nav->counters.epochs_late++;
         if (begins_anew(&nav->late_rover, MOST_LATE_EPOCHS, epoch->t_ns, nav->last_tag_ns)) { restart_rover(nav); }
@@ -175,6 +185,7 @@ void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
     memmove(&nav->rover[place + 1], &nav->rover[place], (size_t)(nav->n_rover - place) * sizeof nav->rover[0]);
     copy_allowed(nav, epoch, &nav->rover[place]);
     nav->n_rover++;
+    pel_nav_note_lead(nav, epoch->t_ns);
     apply_if_due(nav);
 }
 
@@ -196,6 +207,10 @@ static void keep_unseen_slips(const pel_navigator_t *nav, pel_epoch_t *newest)
 void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
     if (epoch->n > 0 && !any_allowed(nav, epoch)) { return; }
+    if (!time_is_possible(epoch->t_ns)) {
+        nav->counters.epochs_late++;
+        return;
+    }
     if (nav->n_base > 0 && epoch->t_ns <= nav->base[nav->n_base - 1].t_ns) {
         nav->counters.epochs_late++;
         const pel_time_t newest_ns = nav->base[nav->n_base - 1].t_ns;
@@ -240,18 +255,6 @@ void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
 
 /* ---- the IMU -------------------------------------------------------------------------------------------------------- */
 
-static bool imu_is_sane(const pel_imu_t *imu)
-{
-    if (!(imu->dt_s > 0.0 && imu->dt_s <= 1.0)) { return false; }
-    double turn = 0.0, push = 0.0;
-    for (int k = 0; k < 3; k++) {
-        turn += imu->alpha_ib_b[k] * imu->alpha_ib_b[k];
-        push += imu->upsilon_ib_b[k] * imu->upsilon_ib_b[k];
-    }
-    /* 100 rad/s and 2000 m/s^2 are beyond what any product of this kind measures; also false for NaN. */
-    return turn <= 1e4 * imu->dt_s * imu->dt_s && push <= 4e6 * imu->dt_s * imu->dt_s;
-}
-
 static void turn_to_body(const pel_navigator_t *nav, const pel_imu_t *imu, pel_imu_t *body)
 {
     *body = *imu;
@@ -259,39 +262,24 @@ static void turn_to_body(const pel_navigator_t *nav, const pel_imu_t *imu, pel_i
     pel_mat3_vec(nav->cfg.C_s_b, imu->upsilon_ib_b, body->upsilon_ib_b);
 }
 
-/* What the bridge may be wrong by: the change of rate and specific force across it, held for its length. */
-static void doubt_bridge(pel_navigator_t *nav, const pel_imu_t *before, const pel_imu_t *after, double gap_s)
-{
-    if (!nav->ins || before == NULL || gap_s <= 0.0) { return; }
-    double turn = 0.0, push = 0.0;
-    for (int k = 0; k < 3; k++) {
-        const double d_omega = after->alpha_ib_b[k] / after->dt_s - before->alpha_ib_b[k] / before->dt_s;
-        const double d_f = after->upsilon_ib_b[k] / after->dt_s - before->upsilon_ib_b[k] / before->dt_s;
-        turn += d_omega * d_omega * gap_s * gap_s;
-        push += d_f * d_f * gap_s * gap_s;
-    }
-    const int i_psi = pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE);
-    const int i_v = pel_model_index(&nav->model, PEL_BLOCK_VELOCITY);
-    for (int k = 0; k < 3; k++) {
-        pel_real c[PEL_MAX_STATES] = {0}, d[PEL_MAX_STATES] = {0};
-        c[i_psi + k] = d[i_v + k] = PEL_R(1.0);
-        pel_ud_rank_one(&nav->ud, i_psi + k + 1, c, (pel_real)turn);
-        pel_ud_rank_one(&nav->ud, i_v + k + 1, d, (pel_real)push);
-    }
-}
-
 /* A missing stretch is bridged by one increment at the new sample's rates: the motion between is unknown, and for the few
  * samples a serial line loses this is the best guess. Longer gaps end the INS. */
 static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
 {
     const double gap_s = pel_time_diff_s(body->t_ns, nav->last_imu_ns) - body->dt_s;
+    const bool jumped = pel_nav_imu_clock_jumped(nav, body, gap_s);
+    if (jumped) {
+        nav->counters.imu_gap++;
+        restart_imu(nav);
+        return;
+    }
     if (nav->last_imu_ns == 0 || pel_fabs(gap_s) <= 0.5 * body->dt_s) { return; }
     nav->counters.imu_gap++;
     if (gap_s > PEL_NAV_LONGEST_GAP_S) {
         restart_imu(nav);
         return;
     }
-    doubt_bridge(nav, pel_imu_ring_newest(&nav->ring), body, gap_s);
+    if (gap_s > 0.0) { body->flags |= PEL_NAV_IMU_BRIDGE; }
     const double scale = (gap_s + body->dt_s) / body->dt_s;
     for (int k = 0; k < 3; k++) {
         body->alpha_ib_b[k] *= scale;
@@ -302,18 +290,27 @@ static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
 
 void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
 {
-    if (!imu_is_sane(imu)) {
+    if (!pel_nav_imu_is_sane(imu)) {
         nav->counters.imu_bad_value++;
         return;
     }
     if (imu->t_ns <= nav->last_imu_ns) {
         nav->counters.imu_out_of_order++;
-        if (begins_anew(&nav->late_imu, MOST_LATE_SAMPLES, imu->t_ns, nav->last_imu_ns)) { restart_imu(nav); }
+        if (begins_anew(&nav->late_imu, MOST_LATE_SAMPLES, imu->t_ns, nav->last_imu_ns)) {
+            restart_imu(nav);
+            pel_nav_doubt_imu_clock(nav);
+        }
         return;
     }
     nav->late_imu = 0;
+    bool jolt;
+    if (!pel_nav_admit_imu(nav, imu, &jolt)) {
+        nav->counters.imu_bad_value++;
+        return;
+    }
     pel_imu_t body;
     turn_to_body(nav, imu, &body);
+    body.flags = (uint16_t)((body.flags & PEL_IMU_TIME_UNSYNCED) | (jolt ? PEL_NAV_IMU_JOLT : 0u));
     bridge_gap(nav, &body);
     nav->last_imu_ns = body.t_ns;
     nav->counters.imu_used++;
@@ -333,7 +330,8 @@ bool pel_navigator_flush(pel_navigator_t *nav)
 
 pel_nav_output_t pel_navigator_poll(pel_navigator_t *nav)
 {
-    static const pel_nav_output_t ORDER[] = {PEL_NAV_USED, PEL_NAV_EPOCH, PEL_NAV_SOLUTION, PEL_NAV_EVENT};
+    static const pel_nav_output_t ORDER[] = {PEL_NAV_WARM, PEL_NAV_USED, PEL_NAV_EPOCH, PEL_NAV_SOLUTION,
+                                             PEL_NAV_EVENT};
     for (size_t i = 0; i < sizeof ORDER / sizeof ORDER[0]; i++) {
         const uint32_t bit = PEL_NAV_BIT(ORDER[i]);
         if ((nav->ready & bit) != 0) {

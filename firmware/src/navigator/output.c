@@ -17,13 +17,6 @@ static void pack_symmetric(const double P[3][3], float out[6])
     }
 }
 
-static void cov_ned(const pel_navigator_t *nav, const double C_e_n[3][3], int index, double P_n[3][3])
-{
-    double P_e[3][3];
-    pel_ud_block3(&nav->ud, index, index, P_e);
-    pel_mat3_congruence(C_e_n, P_e, P_n);
-}
-
 static void fill_protection(const double P_n[3][3], pel_solution_t *out)
 {
     const double mean = 0.5 * (P_n[0][0] + P_n[1][1]);
@@ -33,12 +26,12 @@ static void fill_protection(const double P_n[3][3], pel_solution_t *out)
     out->vpl_m = (float)(PROTECTION_SIGMAS * pel_sqrt(P_n[2][2]));
 }
 
-static void fill_attitude(const pel_navigator_t *nav, const pel_strapdown_t *at, const double C_e_n[3][3],
+static void fill_attitude(const pel_strapdown_t *at, const double C_e_n[3][3], const double P_psi_e[3][3],
                           pel_solution_t *out)
 {
     double roll, pitch, heading, P_n[3][3];
     pel_attitude_from_C_b_e(at->C_b_e, out->lat_rad, out->lon_rad, &roll, &pitch, &heading);
-    cov_ned(nav, C_e_n, pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE), P_n);
+    pel_mat3_congruence(C_e_n, P_psi_e, P_n);
     pack_symmetric(P_n, out->cov_att);
     out->roll_rad = (float)roll;
     out->pitch_rad = (float)pitch;
@@ -83,6 +76,7 @@ static uint32_t hash_state(const pel_navigator_t *nav)
 void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_solution_t *out)
 {
     double C_e_n[3][3], v_n[3], P_n[3][3];
+    pel_nav_cov_t P;
     if (out != &nav->epoch_solution) { *out = nav->epoch_solution; }
     out->t_ns = at->t_ns;
     out->flags = (uint16_t)(out->flags & PEL_SOL_RESTARTED);
@@ -93,13 +87,14 @@ void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at
     pel_earth_C_e_n(out->lat_rad, out->lon_rad, C_e_n);
     pel_mat3_vec(C_e_n, at->v_eb_e, v_n);
     for (int k = 0; k < 3; k++) { out->v_ned[k] = (float)v_n[k]; }
-    cov_ned(nav, C_e_n, pel_model_index(&nav->model, PEL_BLOCK_VELOCITY), P_n);
+    pel_nav_predicted_cov(nav, at, &P);
+    pel_mat3_congruence(C_e_n, P.v, P_n);
     pack_symmetric(P_n, out->cov_v_ned);
-    cov_ned(nav, C_e_n, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_n);
+    pel_mat3_congruence(C_e_n, P.r, P_n);
     pack_symmetric(P_n, out->cov_r_ned);
     fill_protection(P_n, out);
     if (nav->ins) {
-        fill_attitude(nav, at, C_e_n, out);
+        fill_attitude(at, C_e_n, P.psi, out);
         fill_biases(nav, out);
     }
     out->state_hash = hash_state(nav);

@@ -190,6 +190,7 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
         carry_given_attitude(nav, nav->at_horizon.t_ns, lat, lon, out);
         return true;
     }
+    if (pel_nav_warm_attitude(nav, out)) { return true; }
     if (nav->align.t_static_s >= STATIC_MIN_S && nav->align.still && stands_still(nav) &&
         pel_align_gyrocompass(&nav->align, lat, lon, h, COMPASS_SD_MAX_RAD, out) == PEL_OK) {
         return true;
@@ -249,6 +250,7 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
     pel_model_sensor_sd(&nav->model, sd);
     nav->errors = (pel_sensor_errors_t){{0}, {0}, {0}};
     calibrate_gyros(nav, attitude->C_b_e, sd);
+    pel_nav_warm_errors(nav, sd);
     pel_status_t status = pel_ud_init(&nav->ud, nav->model.n, sd);
     if (status == PEL_OK) {
         status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE), attitude->cov_psi_e);
@@ -277,6 +279,7 @@ void pel_nav_try_start_ins(pel_navigator_t *nav)
 {
     const pel_preset_t preset = nav->cfg.preset;
     const pel_time_t t_ns = nav->at_horizon.t_ns;
+    if (nav->timing.doubted) { return; }
     if (nav->ins || preset == PEL_PRESET_SINGLE || preset == PEL_PRESET_RTK) { return; }
     const pel_imu_t *oldest = pel_imu_ring_oldest(&nav->ring);
     if (oldest == NULL || oldest->t_ns > t_ns - IMU_READY_NS || nav->last_imu_ns < t_ns) { return; }

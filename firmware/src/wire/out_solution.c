@@ -100,6 +100,35 @@ pel_status_t pel_out_decode_event(const uint8_t *payload, size_t n, pel_event_t 
     return PEL_OK;
 }
 
+static void warm_fields(pel_leio_t *io, pel_warm_report_t *w)
+{
+    pel_le_io_i64(io, &w->t_ns);
+    pel_le_io_u8(io, &w->verdict);
+    pel_le_io_f32(io, &w->age_s, 1);
+    for (int i = 0; i < PEL_N_SNAP; i++) { pel_le_io_u32(io, &w->count[i]); }
+}
+
+size_t pel_out_encode_warm(const pel_warm_report_t *w, uint8_t *out, size_t cap)
+{
+    pel_warm_report_t copy = *w;
+    pel_leio_t io;
+    if (cap < PEL_OUT_OVERHEAD) { return 0; }
+    pel_leio_write(&io, out + 6, cap - PEL_OUT_OVERHEAD);
+    warm_fields(&io, &copy);
+    return io.failed ? 0u : pel_out_seal(PEL_OUT_WARM, io.n, out, cap);
+}
+
+pel_status_t pel_out_decode_warm(const uint8_t *payload, size_t n, pel_warm_report_t *w)
+{
+    pel_warm_report_t copy = {0};
+    pel_leio_t io;
+    pel_leio_read(&io, payload, n);
+    warm_fields(&io, &copy);
+    if (io.failed || io.n != n) { return PEL_E_FORMAT; }
+    *w = copy;
+    return PEL_OK;
+}
+
 static void sat_fields(pel_leio_t *io, pel_sat_report_t *s)
 {
     pel_le_io_u8(io, &s->sys);

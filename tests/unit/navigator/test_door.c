@@ -1,5 +1,4 @@
 /* What arrives broken, late or twice is counted and changes nothing. */
-/* with: gnss */
 #include <math.h>
 #include <string.h>
 

@@ -1,5 +1,4 @@
 /* Exterior orientation at event marks: the interpolation table of S5 section 12, Hermite at 100 Hz. */
-/* with: gnss */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* Integers from epoch to epoch: GLONASS on its own wavelengths, noise that is not what was told, wrong integers, lost messages. */
 /* build: f32 f64 */
-/* with: gnss */
+/* with: pair gnss */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

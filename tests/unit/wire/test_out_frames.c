@@ -158,12 +158,27 @@ static void sentences_fit_or_are_refused(void)
     TEST_ASSERT_EQUAL_STRING_LEN("$GNHDT,0.00,T", text, 13); /* 359.9994 rounds to the circle's start */
 }
 
+static void a_snapshot_verdict_returns(void)
+{
+    pel_warm_report_t w = {.t_ns = 5, .verdict = PEL_SNAP_MOVED, .age_s = 60.5f, .count = {0, 1}}, back;
+    w.count[PEL_SNAP_MOVED] = 1;
+    const size_t n = pel_out_encode_warm(&w, frame, sizeof frame);
+    TEST_ASSERT_EQUAL_UINT(13 + 4 * PEL_N_SNAP + PEL_OUT_OVERHEAD, n);
+    TEST_ASSERT_EQUAL_INT(PEL_OK, pel_out_decode_warm(frame + 6, n - PEL_OUT_OVERHEAD, &back));
+    TEST_ASSERT_EQUAL_INT64(5, back.t_ns);
+    TEST_ASSERT_EQUAL_UINT8(PEL_SNAP_MOVED, back.verdict);
+    TEST_ASSERT_EQUAL_FLOAT(60.5f, back.age_s);
+    TEST_ASSERT_EQUAL_UINT32_ARRAY(w.count, back.count, PEL_N_SNAP);
+    TEST_ASSERT_EQUAL_INT(PEL_E_FORMAT, pel_out_decode_warm(frame + 6, n - PEL_OUT_OVERHEAD - 1, &back));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(solutions_return);
     RUN_TEST(solution_offsets);
     RUN_TEST(used_counters_and_events_return);
+    RUN_TEST(a_snapshot_verdict_returns);
     RUN_TEST(satellites_return);
     RUN_TEST(the_reader_finds_frames_among_text);
     RUN_TEST(sentences_fit_or_are_refused);
