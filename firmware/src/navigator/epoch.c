@@ -316,7 +316,7 @@ static void prepare_phases(pel_navigator_t *nav, update_t *u)
     pel_nav_track_wander(nav);
     if (nav->cfg.integers) { pel_nav_resolve(nav, u->P_r, &u->ints); }
     if (u->ints.reason == PEL_INT_OK && !pel_nav_track_hold(nav, &u->ints)) { u->ints.reason = PEL_INT_PRIOR; }
-    if (u->ints.reason != PEL_INT_OK) { pel_nav_track_begin(nav); }
+    pel_nav_track_begin(nav);
     pel_nav_track_lookup(nav, &u->phases);
     u->ant.n_states = nav->model.n;
 }
@@ -329,7 +329,7 @@ static void judge_phases(pel_navigator_t *nav, update_t *u)
     }
     pel_nav_integers_t later;
     memset(&later, 0, sizeof later);
-    if (!nav->cfg.integers || u->ints.reason == PEL_INT_OK) { return; }
+    if (!nav->cfg.integers) { return; }
     if (pel_nav_track_resolve(nav, is_fixed(nav, u), &later)) { u->held_used += later.n_fixed; }
 }
 
