@@ -67,6 +67,7 @@ typedef struct {
     float failure_max;   /* and as large as keeps wrong integers below this probability (pel_ils_ratio_needed()) */
     float success_min;   /* bootstrapped success rate of the search problem */
     int32_t node_budget; /* search nodes an epoch */
+    int32_t slice_nodes; /* and of these in one push of an IMU sample; 0: all at once */
     bool integers;       /* resolve integers at all */
 
     double lever_bc_b[3]; /* IMU to camera, m */
@@ -146,9 +147,9 @@ typedef struct {
 
 typedef struct {
     int n;
-    uint8_t misfits;       /* epochs in a row whose held phases did not fit */
+    uint8_t misfits;        /* epochs in a row whose held phases did not fit */
     uint8_t contradictions; /* epochs in a row whose own integers were others than those held */
-    uint8_t misfit_floats; /* searches in a row that no integers fitted */
+    uint8_t misfit_floats;  /* searches in a row that no integers fitted */
     pel_time_t wandered_ns;
     pel_tracked_t entry[PEL_MAX_TRACKED];
     pel_channels_t channels[PEL_GLO_CARRIERS];
@@ -193,13 +194,32 @@ typedef struct {
     double N[PEL_MAX_OBS];      /* cycles, on the group's datum */
 } pel_nav_phases_t;
 
+/* Float ambiguities that are searched together, and how often one may still be left out. Private. */
+typedef struct {
+    int n, tries;
+    bool beside_held;
+    uint8_t entry[PEL_MAX_AMB]; /* index into track.entry[] */
+} pel_nav_chosen_t;
+
+/* What an epoch waits for. Private. */
+typedef enum {
+    PEL_NAV_SEARCH_NONE = 0,
+    PEL_NAV_SEARCH_EPOCH, /* the integers of the epoch alone; its rows have not been used yet */
+    PEL_NAV_SEARCH_FLOATS /* those of the float states; its rows have been used */
+} pel_nav_search_t;
+
 /* Workspace of one epoch's update, kept off the stack. Private. */
 typedef struct {
     pel_antenna_t ant;
     double P_r[3][3], P_v[3][3]; /* antenna, before the update */
     pel_nav_integers_t ints;     /* of this epoch alone */
-    pel_nav_phases_t phases;     /* every N, held or float */
-    bool misfit[PEL_MAX_OBS];    /* phase rows that were refused */
+    int row_of[PEL_MAX_AMB];     /* which of nav->sd each row of nav->problem is */
+    pel_nav_integers_t later;    /* of the float states after the update */
+    pel_nav_chosen_t chosen;     /* which of them are searched */
+    float base_age_s, nis;
+    uint16_t nis_dof, flags;
+    pel_nav_phases_t phases;  /* every N, held or float */
+    bool misfit[PEL_MAX_OBS]; /* phase rows that were refused */
     int code_used, code_refused, used;
     int held_used, held_refused; /* phase rows with validated integers */
 } pel_nav_update_t;
@@ -274,7 +294,9 @@ typedef struct pel_navigator_t {
 
     pel_view_t view_rover, view_base;
     pel_sd_set_t sd;
+    pel_nav_search_t search;   /* the oldest rover epoch is under way */
     pel_amb_problem_t problem; /* workspace of the epoch's search */
+    pel_amb_resolver_t resolver;
     pel_ils_t ils;
     pel_track_t track;
     pel_noise_level_t noise_level;
@@ -290,6 +312,7 @@ typedef struct pel_navigator_t {
 
     pel_nav_counters_t counters;
     pel_solution_t solution, epoch_solution;
+    uint8_t rover_seen[PEL_N_SYS], base_seen[PEL_N_SYS]; /* bit 1 << carrier, since the start */
     pel_used_t used;
     pel_event_t event;
     pel_sat_report_t sats[PEL_MAX_OBS];

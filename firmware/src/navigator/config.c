@@ -58,5 +58,6 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->failure_max = 1e-3f;
     cfg->success_min = 0.5f;
     cfg->node_budget = 10000;
+    cfg->slice_nodes = 200;
     cfg->integers = true;
 }

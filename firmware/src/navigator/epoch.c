@@ -9,50 +9,10 @@
 #define MAX_DOUBTS       8   /* epochs in a row that refuse most of their code: the state is wrong, not the code */
 #define MAX_MISFITS      3   /* epochs in a row whose held integers do not fit: all are released */
 #define MODE_CHANGE_SD_M 3.0 /* a base's coordinates and a single receiver's position differ by this much */
-#define STALE_CLOCK_S    60.0
-#define WEAK_VAR_M2      25.0
-#define LOST_SD_M        20.0
 #define COARSE_RAD       (1.0 * PEL_DEG) /* attitude known worse than this: what the error model leaves out is not small */
 #define GRAVITY_MPS2     9.8
 #define RELEASE_SD_M     1.0
 #define FIXED_SD_M       0.1 /* 3-D, of a position that is called fixed */
-
-/* ---- when was the epoch ----------------------------------------------------------------------------------------------- */
-
-static double zenith_sd(double a, double b)
-{
-    return pel_sqrt(a * a + b * b);
-}
-
-/* True receive time of the epoch. Single-point solution if there is one, else the receiver clock of the last one. */
-static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solved, pel_time_t *t_ns)
-{
-    pel_spp_config_t cfg;
-    pel_spp_default(&cfg);
-    cfg.mask_rad = nav->cfg.mask_rad;
-    cfg.code_sd_m = zenith_sd(nav->cfg.noise_single.code_a_m, nav->cfg.noise_single.code_b_m);
-    cfg.doppler_sd_mps = zenith_sd(nav->cfg.noise_single.doppler_a_mps, nav->cfg.noise_single.doppler_b_mps);
-    pel_spp_t spp;
-    const pel_status_t status =
-        pel_spp_solve(rover, &nav->orbits, &cfg, nav->have_spp ? &nav->spp : NULL, NULL, &nav->view_rover, &spp);
-    *solved = status >= 0;
-    if (*solved && !pel_nav_spp_is_plausible(&spp)) {
-        nav->counters.epochs_spp_failed++;
-        return false;
-    }
-    if (*solved) {
-        nav->spp = spp;
-        nav->have_spp = true;
-        *t_ns = spp.t_ns;
-        return true;
-    }
-    nav->counters.epochs_spp_failed++;
-    const double age_s = pel_time_diff_s(rover->t_ns, nav->spp.t_ns);
-    if (!nav->have_spp || age_s > STALE_CLOCK_S) { return false; }
-    const double clk_s = (nav->spp.clk_m + nav->spp.clk_rate_mps * age_s) / PEL_SPEED_OF_LIGHT;
-    *t_ns = rover->t_ns - (int64_t)pel_round(clk_s * 1e9);
-    return true;
-}
 
 typedef pel_nav_update_t update_t;
 
@@ -122,7 +82,7 @@ static bool difference(pel_navigator_t *nav, const pel_epoch_t *rover, pel_epoch
 {
     const pel_noise_config_t *noise = &nav->cfg.noise;
     const double age_s = pel_time_diff_s(rover->t_ns, base->t_ns);
-    nav->epoch_solution.base_age_s = (float)pel_max(age_s, 0.0);
+    nav->update.base_age_s = (float)pel_max(age_s, 0.0);
     forget_ionosphere(&nav->view_rover);
     nav->sd.n = nav->sd.n_groups = 0;
     if (view_base(nav, rover, base)) {
@@ -164,7 +124,7 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *bas
     const bool tried = base != NULL && nav->have_station;
     const bool relative = tried && difference(nav, rover, base);
     if (!relative) {
-        nav->epoch_solution.base_age_s = -1.0f;
+        nav->update.base_age_s = -1.0f;
         if (tried && !view_rover(nav, rover, r_ea_e, v_ea_e, NULL)) { return false; } /* with the ionosphere again */
         if (pel_sd_undifferenced(rover, &nav->view_rover, &nav->cfg.noise_single, &nav->sd) != PEL_OK) { return false; }
         (void)allow_for_correlation(nav, nav->cfg.single_code_tau_s, gap_s);
@@ -221,7 +181,7 @@ static void release(pel_navigator_t *nav)
 }
 
 /* A filter that refuses its measurements for many epochs, or lost its factors, starts again and says so. */
-static void watch_health(pel_navigator_t *nav, const update_t *u)
+static void watch_health(pel_navigator_t *nav, update_t *u)
 {
     const bool doubtful = u->code_refused > u->code_used;
     nav->doubts = (uint8_t)(doubtful ? nav->doubts + 1 : 0);
@@ -235,16 +195,22 @@ static void watch_health(pel_navigator_t *nav, const update_t *u)
     if (!broken && nav->doubts < MAX_DOUBTS && !contradicted) { return; }
     nav->restless = 0;
     nav->counters.restarts++;
-    nav->epoch_solution.flags |= PEL_SOL_RESTARTED;
+    u->flags |= PEL_SOL_RESTARTED;
+    nav->epoch_solution.flags |= PEL_SOL_RESTARTED;                            /* told also if no start follows */
     const bool fresh = nav->have_spp && nav->spp.t_ns == nav->at_horizon.t_ns; /* never back in time */
     pel_nav_stop(nav);
     nav->relative = false; /* a single-point solution says so */
     if (fresh) { pel_nav_start_gnss(nav, &nav->spp); }
 }
 
-static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base, update_t *u)
+static void finish(pel_navigator_t *nav, update_t *u)
 {
     pel_solution_t *out = &nav->epoch_solution;
+    memset(out, 0, sizeof *out);
+    out->flags = u->flags;
+    out->base_age_s = u->base_age_s;
+    out->nis = u->nis;
+    out->nis_dof = u->nis_dof;
     nav->last_fix = !nav->relative ? PEL_FIX_SPP : is_fixed(nav, u) ? PEL_FIX_FIXED : PEL_FIX_FLOAT;
     if (nav->last_fix == PEL_FIX_FIXED) { u->ints.reason = PEL_INT_OK; }
     nav->counters.epochs_used++;
@@ -256,7 +222,7 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     out->n_amb = (uint8_t)u->ints.n;
     out->n_fixed = (uint8_t)u->held_used;
     out->n_sat = (uint8_t)pel_nav_satellites_used(nav);
-    pel_nav_note_used(nav, rover, base);
+    pel_nav_note_used(nav);
     pel_nav_try_start_ins(nav);
     pel_nav_warm_epoch(nav);
     nav->epoch_before_ns = nav->at_horizon.t_ns;
@@ -267,105 +233,85 @@ static void finish(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epo
     pel_nav_predict_now(nav);
 }
 
-/* GNSS alone over a long silence knows its place worse than the epoch's own code does. Rows are linear and the troposphere right
- * only near the truth: the single-point solution comes first, as a measurement so weak that the code's rows still count. */
-static void draw_lost_position(pel_navigator_t *nav)
+/* ---- in slices ------------------------------------------------------------------------------------------------------------ */
+
+/* Everything is done but to tell. */
+static void end_epoch(pel_navigator_t *nav)
 {
-    const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
-    double P[3][3];
-    pel_ud_block3(&nav->ud, i_r, i_r, P);
-    if (nav->ins || P[0][0] + P[1][1] + P[2][2] < LOST_SD_M * LOST_SD_M) { return; }
-    for (int k = 0; k < 3; k++) {
-        pel_real h[PEL_MAX_STATES] = {0};
-        h[i_r + k] = PEL_R(1.0);
-        const double z = nav->at_horizon.r_eb_e[k] - nav->spp.r_ea_e[k];
-        const double var = 4.0 * nav->spp.cov_r_e[k][k] + WEAK_VAR_M2;
-        (void)pel_ud_update(&nav->ud, h, i_r + k, (pel_real)z, (pel_real)var, 0, NULL);
+    nav->search = PEL_NAV_SEARCH_NONE;
+    watch_health(nav, &nav->update);
+    if (nav->have_state) { finish(nav, &nav->update); }
+}
+
+/* Rows with every N that is known; then integers of the float ones. */
+static void use_rows(pel_navigator_t *nav)
+{
+    update_t *u = &nav->update;
+    double inflated_by = 1.0;
+    const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
+    if (nav->relative) {
+        if (u->ints.reason == PEL_INT_OK && !pel_nav_track_hold(nav, &u->ints)) { u->ints.reason = PEL_INT_PRIOR; }
+        pel_nav_track_begin(nav);
+        pel_nav_track_lookup(nav, &u->phases);
+        u->ant.n_states = nav->model.n;
+        inflated_by =
+            allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
     }
+    pel_nav_noise_level_begin(nav, inflated_by);
+    pel_nav_hold_watch_age(nav, gap_s);
+    pel_nav_update_rows(nav, u);
     pel_nav_close_loop(nav);
-}
-
-/* Bring the state to the epoch's instant, starting it if there is none. */
-static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
-{
-    if (nav->have_state) {
-        pel_status_t status = pel_nav_advance(nav, t_ns);
-        if (status == PEL_E_STALE && t_ns < nav->at_horizon.t_ns) {
-            nav->counters.epochs_late++;
-            return false;
-        }
-        if (status == PEL_E_MISSING && nav->ins) { /* the IMU has gone */
-            pel_nav_drop_ins(nav);
-            status = pel_nav_advance(nav, t_ns);
-        }
-        if (status == PEL_OK) {
-            if (solved) { draw_lost_position(nav); }
-            return true;
-        }
-        nav->counters.restarts++;
-        pel_nav_stop(nav); /* also where no start follows: an INS without its factors must not go on telling */
-    }
-    if (!solved) { return false; }
-    pel_nav_start_gnss(nav, &nav->spp);
-    return nav->have_state;
-}
-
-/* Integers of this epoch alone if they can be told; every other phase keeps the N it has, or begins a float one. */
-static void prepare_phases(pel_navigator_t *nav, update_t *u)
-{
-    pel_nav_track_wander(nav);
-    if (nav->cfg.integers) { pel_nav_resolve(nav, u->P_r, &u->ints); }
-    if (u->ints.reason == PEL_INT_OK && !pel_nav_track_hold(nav, &u->ints)) { u->ints.reason = PEL_INT_PRIOR; }
-    pel_nav_track_begin(nav);
-    pel_nav_track_lookup(nav, &u->phases);
-    u->ant.n_states = nav->model.n;
-}
-
-/* Refused phases begin anew; float ones that have settled are resolved. */
-static void judge_phases(pel_navigator_t *nav, update_t *u)
-{
-    for (int i = 0; i < nav->sd.n; i++) {
+    for (int i = 0; nav->relative && i < nav->sd.n; i++) {
         if (u->misfit[i]) { pel_nav_track_drop(nav, &nav->sd.sd[i]); }
     }
-    pel_nav_integers_t later;
-    memset(&later, 0, sizeof later);
-    if (!nav->cfg.integers) { return; }
-    if (pel_nav_track_resolve(nav, is_fixed(nav, u), &later)) { u->held_used += later.n_fixed; }
+    if (nav->relative && nav->cfg.integers && pel_nav_track_search_begin(nav, is_fixed(nav, u))) {
+        nav->search = PEL_NAV_SEARCH_FLOATS;
+    } else {
+        end_epoch(nav);
+    }
 }
 
-void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base)
+void pel_nav_begin_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base)
 {
-    bool solved = false;
-    pel_time_t t_ns = 0;
     update_t *u = &nav->update;
     memset(u, 0, sizeof *u);
     nav->last_tag_ns = rover->t_ns;
-    if (!true_time(nav, rover, &solved, &t_ns) || !reach(nav, solved, t_ns)) { return; }
+    if (!pel_nav_reach_epoch(nav, rover)) { return; }
 
     double r_ea_e[3], v_ea_e[3];
-    memset(&nav->epoch_solution, 0, sizeof nav->epoch_solution);
     pel_nav_antenna(nav, &u->ant, r_ea_e, v_ea_e);
     if (!form_rows(nav, rover, base, r_ea_e, v_ea_e)) {
         nav->counters.epochs_few_sats++;
         return;
     }
     pel_nav_start_reports(nav);
+    pel_nav_note_seen(nav, rover, base);
     allow_for_coarse_attitude(nav, &u->ant);
     pel_nav_antenna_cov(nav, &u->ant, false, u->P_r);
     pel_nav_antenna_cov(nav, &u->ant, true, u->P_v);
     u->ints.reason = PEL_INT_NOT_TRIED;
-    double inflated_by = 1.0;
-    if (nav->relative) {
-        prepare_phases(nav, u);
-        const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
-        inflated_by =
-            allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
+    if (nav->relative) { pel_nav_track_wander(nav); }
+    if (nav->relative && nav->cfg.integers && pel_nav_resolve_begin(nav, u->P_r, &u->ints)) {
+        nav->search = PEL_NAV_SEARCH_EPOCH;
+    } else {
+        use_rows(nav);
     }
-    pel_nav_noise_level_begin(nav, inflated_by);
-    pel_nav_hold_watch_age(nav, pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns));
-    pel_nav_update_rows(nav, u);
-    pel_nav_close_loop(nav);
-    if (nav->relative) { judge_phases(nav, u); }
-    watch_health(nav, u);
-    if (nav->have_state) { finish(nav, rover, base, u); }
+}
+
+void pel_nav_go_on(pel_navigator_t *nav, int32_t max_nodes)
+{
+    update_t *u = &nav->update;
+    switch (nav->search) {
+    case PEL_NAV_SEARCH_NONE: break;
+    case PEL_NAV_SEARCH_EPOCH:
+        if (!pel_nav_resolve_step(nav, max_nodes, &u->ints)) { break; }
+        nav->search = PEL_NAV_SEARCH_NONE;
+        use_rows(nav);
+        break;
+    case PEL_NAV_SEARCH_FLOATS:
+        if (!pel_nav_track_search_step(nav, max_nodes)) { break; }
+        u->held_used += u->later.n_fixed;
+        end_epoch(nav);
+        break;
+    }
 }

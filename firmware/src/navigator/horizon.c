@@ -162,6 +162,7 @@ static void tick(pel_navigator_t *nav, const pel_imu_t *body)
 /* Without epochs the horizon still follows, so that the ring never runs over it and the covariance grows as it should. */
 static void limit_lag(pel_navigator_t *nav)
 {
+    if (nav->search != PEL_NAV_SEARCH_NONE) { return; } /* its epoch holds the horizon, for LONGEST_SEARCH_S at most */
     const int waiting = nav->ring.n - pel_imu_ring_after(&nav->ring, nav->at_horizon.t_ns);
     const bool nearly_full = waiting >= PEL_IMU_RING - 4;
     const double longest_lag_s =

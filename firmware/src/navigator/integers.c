@@ -120,19 +120,17 @@ static void count_verdict(pel_nav_counters_t *c, pel_int_reason_t reason)
     }
 }
 
-void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out)
+bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out)
 {
     pel_amb_problem_t *p = &nav->problem;
-    int index[PEL_MAX_AMB];
-    int64_t N[PEL_MAX_AMB];
     memset(p, 0, sizeof *p);
     double mask_rad = nav->cfg.integer_mask_rad;
-    while (!fill_problem(nav, mask_rad, p, index) && mask_rad < PEL_PI / 2.0) { mask_rad += MASK_STEP_RAD; }
-    out->n = p->n_rows;
-    if (p->n_rows < 4) {
-        out->reason = PEL_INT_FEW;
-        return;
+    while (!fill_problem(nav, mask_rad, p, nav->update.row_of) && mask_rad < PEL_PI / 2.0) {
+        mask_rad += MASK_STEP_RAD;
     }
+    out->n = p->n_rows;
+    out->reason = PEL_INT_FEW;
+    if (p->n_rows < 4) { return false; }
     const double sd_iono_m = nav->cfg.noise.iono_mm_per_km * 1e-3 * baseline_km(nav);
     p->var_iono = sd_iono_m * sd_iono_m;
     p->have_prior = true;
@@ -144,21 +142,29 @@ void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integ
     limits.success_min = (double)nav->cfg.success_min;
     limits.prior_sigma = PRIOR_SIGMAS;
     limits.failure_max = (double)nav->cfg.failure_max;
+    return pel_amb_resolve_begin(&nav->resolver, p, &limits, nav->cfg.node_budget, MAX_TRIES) == PEL_OK;
+}
+
+bool pel_nav_resolve_step(pel_navigator_t *nav, int32_t max_nodes, pel_nav_integers_t *out)
+{
+    const pel_amb_problem_t *p = &nav->problem;
+    int64_t N[PEL_MAX_AMB];
     pel_int_verdict_t verdict;
     memset(&verdict, 0, sizeof verdict);
-    const pel_status_t status = pel_amb_resolve(p, &nav->ils, &limits, nav->cfg.node_budget, MAX_TRIES, N, &verdict);
+    const pel_status_t status = pel_amb_resolve_step(&nav->resolver, &nav->problem, &nav->ils, max_nodes, N, &verdict);
+    if (status == PEL_W_RUNNING) { return false; }
     out->ratio = verdict.ratio;
     out->success = verdict.success;
-    out->nodes = nav->ils.nodes;
+    out->nodes = nav->cfg.node_budget - nav->resolver.budget;
     out->reason = (status < 0) ? PEL_INT_FEW : verdict.reason;
-    if (status == PEL_OK) {
+    for (int r = 0; status == PEL_OK && r < p->n_rows; r++) {
+        if (!p->row[r].integer || N[r] > INT32_MAX || N[r] < INT32_MIN) { continue; }
+        const int i = nav->update.row_of[r];
         out->reason = PEL_INT_OK;
-        for (int r = 0; r < p->n_rows; r++) {
-            if (!p->row[r].integer || N[r] > INT32_MAX || N[r] < INT32_MIN) { continue; }
-            out->fixed[index[r]] = true;
-            out->N[index[r]] = (int32_t)N[r];
-            out->n_fixed++;
-        }
+        out->fixed[i] = true;
+        out->N[i] = (int32_t)N[r];
+        out->n_fixed++;
     }
     count_verdict(&nav->counters, out->reason);
+    return true;
 }

@@ -64,16 +64,27 @@ void pel_nav_yaw_epoch(pel_navigator_t *nav);
 /* Attitude at the horizon and its heading's 1 sigma; false while it is not known to SD_MAX_RAD. */
 bool pel_nav_yaw_solve(const pel_navigator_t *nav, double C_b_enu[3][3], double *sd_rad);
 
+/* ---- instant.c ---- */
+
+/* Bring the state to the true instant of a rover epoch, starting it if there is none. False: it cannot be used. */
+bool pel_nav_reach_epoch(pel_navigator_t *nav, const pel_epoch_t *rover);
+
 /* ---- epoch.c, integers.c ---- */
 
 /* No state until the next single-point solution. */
 void pel_nav_stop(pel_navigator_t *nav);
 
-/* Use one rover epoch with its base epoch (or NULL). */
-void pel_nav_apply_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base);
+/* Use one rover epoch with its base epoch (or NULL). Unless nav->search says so, it is done: used or refused. */
+void pel_nav_begin_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base);
 
-/* Resolve the integers of nav->sd with the horizon's position as prior. P_a: covariance of the antenna position, m^2. */
-void pel_nav_resolve(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
+/* Go on with its search by at most this many nodes, or one bounded step between searches; done when nav->search is NONE. The horizon
+ * stands at the epoch meanwhile. */
+void pel_nav_go_on(pel_navigator_t *nav, int32_t max_nodes);
+
+/* Begin to resolve the integers of nav->sd with the horizon's position as prior. P_a: covariance of the antenna position, m^2. False: too
+ * few, out says so. A step returns true when out is there. */
+bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
+bool pel_nav_resolve_step(pel_navigator_t *nav, int32_t max_nodes, pel_nav_integers_t *out);
 
 /* ---- rows.c ---- */
 
@@ -168,8 +179,9 @@ void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out);
 void pel_nav_track_close_loop(pel_navigator_t *nav);
 
 /* After the update: integers of the float states, if they can be told; the filter is then conditioned on them. held: validated
- * phases hold the position already. */
-bool pel_nav_track_resolve(pel_navigator_t *nav, bool held, pel_nav_integers_t *out);
+ * phases hold the position already. False: nothing to search. A step returns true when all is done: nav->update.later. */
+bool pel_nav_track_search_begin(pel_navigator_t *nav, bool held);
+bool pel_nav_track_search_step(pel_navigator_t *nav, int32_t max_nodes);
 
 /* ---- warm.c: the snapshot of the life before ---- */
 
@@ -234,7 +246,8 @@ void pel_nav_predicted_cov(const pel_navigator_t *nav, const pel_strapdown_t *at
 /* ---- output.c ---- */
 
 void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_solution_t *out);
-void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base);
+void pel_nav_note_seen(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base);
+void pel_nav_note_used(pel_navigator_t *nav);
 
 /* ---- event.c ---- */
 

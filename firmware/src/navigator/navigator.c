@@ -13,6 +13,7 @@
 #define MOST_LATE_EPOCHS  10 /* refused for their time in a row; their receiver then tells another time */
 #define MOST_LATE_SAMPLES 200
 #define FAR_BACK_NS       (5 * PEL_NS_PER_S)
+#define LONGEST_SEARCH_S  0.4 /* behind the newest IMU sample: then it is ended in one go */
 
 void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
 {
@@ -82,21 +83,72 @@ static pel_epoch_t *choose_base(pel_navigator_t *nav, pel_time_t t_ns)
     return &nav->base[index];
 }
 
-static void apply_oldest(pel_navigator_t *nav)
+static void begin_oldest(pel_navigator_t *nav)
 {
     pel_epoch_t *base = choose_base(nav, nav->rover[0].t_ns);
     if (base == NULL && nav->n_base > 0 && preset_uses_base(nav->cfg.preset)) { nav->counters.epochs_unpaired++; }
-    pel_nav_apply_epoch(nav, &nav->rover[0], base);
+    pel_nav_begin_epoch(nav, &nav->rover[0], base);
+}
+
+static void drop_oldest(pel_navigator_t *nav)
+{
     nav->n_rover--;
     memmove(&nav->rover[0], &nav->rover[1], (size_t)nav->n_rover * sizeof nav->rover[0]);
 }
 
-/* At most one epoch a push, so that the longest push is one epoch's work. */
+/* What is under way is done at once. */
+static void complete(pel_navigator_t *nav)
+{
+    if (nav->search == PEL_NAV_SEARCH_NONE) { return; }
+    while (nav->search != PEL_NAV_SEARCH_NONE) { pel_nav_go_on(nav, nav->cfg.node_budget); }
+    drop_oldest(nav);
+}
+
+static void apply_oldest(pel_navigator_t *nav)
+{
+    if (nav->search == PEL_NAV_SEARCH_NONE) {
+        begin_oldest(nav);
+        while (nav->search != PEL_NAV_SEARCH_NONE) { pel_nav_go_on(nav, nav->cfg.node_budget); }
+        drop_oldest(nav);
+    } else {
+        complete(nav);
+    }
+}
+
+/* Searches go on between IMU samples, where there are any and time is left. */
+static bool in_slices(const pel_navigator_t *nav)
+{
+    return nav->cfg.slice_nodes > 0 && nav->ins;
+}
+
+static void go_on(pel_navigator_t *nav)
+{
+    pel_nav_go_on(nav, nav->cfg.slice_nodes);
+    const bool late = pel_time_diff_s(nav->last_imu_ns, nav->at_horizon.t_ns) > LONGEST_SEARCH_S ||
+                      nav->ring.n - pel_imu_ring_after(&nav->ring, nav->at_horizon.t_ns) > (PEL_IMU_RING * 3) / 4;
+    if (nav->search == PEL_NAV_SEARCH_NONE) {
+        drop_oldest(nav);
+    } else if (late) {
+        complete(nav);
+    }
+}
+
+/* At most one epoch a push, or a slice of one, so that the longest push is one epoch's work. */
 static void apply_if_due(pel_navigator_t *nav)
 {
+    if (nav->search != PEL_NAV_SEARCH_NONE) {
+        go_on(nav);
+        return;
+    }
     if (nav->n_rover == 0) { return; }
     const pel_time_t t_ns = nav->rover[0].t_ns;
-    if (imu_has_passed(nav, t_ns) && base_is_settled(nav, t_ns)) { apply_oldest(nav); }
+    if (!imu_has_passed(nav, t_ns) || !base_is_settled(nav, t_ns)) { return; }
+    if (!in_slices(nav)) {
+        apply_oldest(nav);
+        return;
+    }
+    begin_oldest(nav);
+    if (nav->search == PEL_NAV_SEARCH_NONE) { drop_oldest(nav); }
 }
 
 /* ---- when time begins anew ------------------------------------------------------------------------------------------ */
@@ -111,6 +163,7 @@ static bool begins_anew(uint8_t *late, int most, pel_time_t t_ns, pel_time_t new
 
 static void restart_rover(pel_navigator_t *nav)
 {
+    complete(nav);
     nav->counters.restarts++;
     pel_nav_stop(nav);
     nav->n_rover = 0;
@@ -120,6 +173,7 @@ static void restart_rover(pel_navigator_t *nav)
 
 static void restart_imu(pel_navigator_t *nav)
 {
+    complete(nav);
     pel_imu_ring_init(&nav->ring);
     pel_nav_drop_ins(nav);
     pel_nav_reset_alignment(nav);
@@ -248,7 +302,10 @@ void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
     if (!(r > 6.3e6 && r < 7.4e6)) { return; } /* a base that does not know its place sends zeros */
     double move = 0.0;
     for (int k = 0; k < 3; k++) { move += pel_fabs(s->r_ea_e[k] - nav->station.r_ea_e[k]); }
-    if (nav->have_station && move > STATION_MOVED_M) { pel_nav_track_clear(nav); } /* another base: other integers */
+    if (nav->have_station && move > STATION_MOVED_M) { /* another base: other integers */
+        complete(nav);
+        pel_nav_track_clear(nav);
+    }
     nav->station = *s;
     nav->have_station = true;
 }

@@ -155,11 +155,17 @@ static bool differs_in_use(const pel_used_t *a, const pel_used_t *b)
     return !same;
 }
 
-void pel_nav_note_used(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base)
+void pel_nav_note_seen(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base)
+{
+    note_carriers(rover, nav->rover_seen);
+    if (base != NULL) { note_carriers(base, nav->base_seen); }
+}
+
+void pel_nav_note_used(pel_navigator_t *nav)
 {
     pel_used_t u = nav->used;
-    note_carriers(rover, u.rover_seen);
-    if (base != NULL) { note_carriers(base, u.base_carriers); }
+    memcpy(u.rover_seen, nav->rover_seen, sizeof u.rover_seen);
+    memcpy(u.base_carriers, nav->base_seen, sizeof u.base_carriers);
     for (int i = 0; i < nav->n_sats; i++) {
         const pel_sat_report_t *r = &nav->sats[i];
         const unsigned any = PEL_SAT_CODE_USED | PEL_SAT_PHASE_USED | PEL_SAT_DOPPLER_USED;

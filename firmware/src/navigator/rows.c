@@ -175,8 +175,8 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         if (used && learns) { pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, (double)row.var); }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, row.h);
-            nav->epoch_solution.nis += (float)nis;
-            nav->epoch_solution.nis_dof++;
+            u->nis += (float)nis;
+            u->nis_dof++;
         }
         note_row(nav, u, i, pivot, kind, dd, used);
         count_row(nav, u, i, kind, used);
@@ -186,8 +186,8 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
 void pel_nav_update_rows(pel_navigator_t *nav, update_t *u)
 {
     const pel_sd_set_t *set = &nav->sd;
-    nav->epoch_solution.nis = 0.0f;
-    nav->epoch_solution.nis_dof = 0;
+    u->nis = 0.0f;
+    u->nis_dof = 0;
     for (int first = 0; first < set->n;) {
         int last = first + 1;
         while (last < set->n && set->sd[last].group == set->sd[first].group) { last++; }

@@ -9,24 +9,24 @@
 
 #include "pelorus/math.h"
 
-#define FLOAT_SD_M        30.0 /* of a new ambiguity, as range */
-#define RESOLVE_EPOCHS    2    /* of the youngest ambiguity that may be resolved */
-#define RESOLVE_AFTER_S   0.9  /* and its age */
-#define RESOLVE_TRIES     6    /* searches an epoch: each leaves out one ambiguity more */
-#define FEWEST_ALONE      5    /* ambiguities that may be resolved together */
-#define TRIES_ALONE       2
-#define AGREE_ALONE       3
-#define AGREE_BESIDE_HELD 2
-#define FIT_ALONE         0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
-#define FIT_BESIDE_HELD   0.999
-#define MISFIT_FLOATS     5
-#define RESOLVE_RATIO     3.0
-#define RESOLVE_SUCCESS   0.99
-#define MOST_CONTRADICTIONS 3 /* epochs in a row whose own integers are others than those held: then they are right */
-#define FAILURE_FACTOR  5.0 /* epochs that agree may each promise this much less */
-#define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
-#define FAR_APART_S       10.0 /* epochs with errors of their own */
-#define WANDER_EVERY_S    0.9
+#define FLOAT_SD_M          30.0 /* of a new ambiguity, as range */
+#define RESOLVE_EPOCHS      2    /* of the youngest ambiguity that may be resolved */
+#define RESOLVE_AFTER_S     0.9  /* and its age */
+#define TRIES_BESIDE_HELD   6    /* searches an epoch: each leaves out one ambiguity more */
+#define FEWEST_ALONE        5    /* ambiguities that may be resolved together */
+#define TRIES_ALONE         2
+#define AGREE_ALONE         3
+#define AGREE_BESIDE_HELD   2
+#define FIT_ALONE           0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
+#define FIT_BESIDE_HELD     0.999
+#define MISFIT_FLOATS       5
+#define RESOLVE_RATIO       3.0
+#define RESOLVE_SUCCESS     0.99
+#define MOST_CONTRADICTIONS 3   /* epochs in a row whose own integers are others than those held: then they are right */
+#define FAILURE_FACTOR      5.0 /* epochs that agree may each promise this much less */
+#define INTEGER_SD_CYC      1e-3 /* conditioning on an integer */
+#define FAR_APART_S         10.0 /* epochs with errors of their own */
+#define WANDER_EVERY_S      0.9
 
 static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
 {
@@ -366,29 +366,15 @@ void pel_nav_track_close_loop(pel_navigator_t *nav)
 
 /* ---- integers from the filter's own float ambiguities ------------------------------------------------------------------------- */
 
-/* Which of them take part. */
-typedef struct {
-    int n;
-    uint8_t entry[PEL_MAX_AMB]; /* index into nav->track.entry[] */
-} chosen_t;
-
-static chosen_t choose_settled(pel_navigator_t *nav)
+static bool is_settled(pel_navigator_t *nav, const pel_tracked_t *t)
 {
-    chosen_t c = {0};
-    for (int i = 0; i < nav->track.n && c.n < PEL_MAX_AMB; i++) {
-        const pel_tracked_t *t = &nav->track.entry[i];
-        const pel_tracked_t *datum = (t->state >= 0) ? datum_of(nav, t->sys, t->carrier) : NULL;
-        if (datum == NULL || datum->half || t->half) { continue; }
-        if (t->epochs >= RESOLVE_EPOCHS &&
-            pel_time_diff_s(nav->at_horizon.t_ns, t->since_ns) >= RESOLVE_AFTER_S) {
-            c.entry[c.n++] = (uint8_t)i;
-        }
-    }
-    return c;
+    const pel_tracked_t *datum = (t->state >= 0) ? datum_of(nav, t->sys, t->carrier) : NULL;
+    return datum != NULL && !datum->half && !t->half && t->epochs >= RESOLVE_EPOCHS &&
+           pel_time_diff_s(nav->at_horizon.t_ns, t->since_ns) >= RESOLVE_AFTER_S;
 }
 
 /* Values and covariance of the chosen, written into the engine's own room. */
-static void collect(pel_navigator_t *nav, const chosen_t *c)
+static void collect(pel_navigator_t *nav, const pel_nav_chosen_t *c)
 {
     double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
     for (int r = 0; r < c->n; r++) {
@@ -400,30 +386,35 @@ static void collect(pel_navigator_t *nav, const chosen_t *c)
     }
 }
 
-static bool search(pel_navigator_t *nav, const chosen_t *c, double fit_p, int64_t N[PEL_MAX_AMB],
-                   pel_nav_integers_t *out)
+/* Load the chosen into the engine. False: there is nothing to search. */
+static bool load(pel_navigator_t *nav, const pel_nav_chosen_t *c)
 {
     const double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
+    if (c->tries <= 0 || c->n < (c->beside_held ? 1 : FEWEST_ALONE)) { return false; }
     collect(nav, c);
-    if (pel_ils_init(&nav->ils, c->n, a, Q, 2, nav->cfg.node_budget) != PEL_OK) { return false; }
-    const bool proved = pel_ils_run(&nav->ils, nav->cfg.node_budget) == PEL_OK;
-    double sq = 0.0;
-    const bool found = pel_ils_get(&nav->ils, 0, N, &sq) == PEL_OK;
+    return pel_ils_init(&nav->ils, c->n, a, Q, 2, nav->cfg.node_budget) == PEL_OK;
+}
+
+/* Verdict on the search that has ended. */
+static void judge(const pel_navigator_t *nav, const pel_nav_chosen_t *c, bool proved, double sq,
+                  pel_nav_integers_t *out)
+{
     out->n = c->n;
-    out->nodes = nav->ils.nodes;
+    out->nodes += nav->ils.nodes;
     out->ratio = pel_ils_ratio(&nav->ils);
     out->success = pel_ils_success(&nav->ils);
-    const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, FAILURE_FACTOR * (double)nav->cfg.failure_max);
-    out->reason = !proved || !found                        ? PEL_INT_BUDGET
+    const double failure_max = FAILURE_FACTOR * (double)nav->cfg.failure_max;
+    const double fit_p = c->beside_held ? FIT_BESIDE_HELD : FIT_ALONE;
+    const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, failure_max);
+    out->reason = !proved                                  ? PEL_INT_BUDGET
                   : !promised                              ? PEL_INT_SUCCESS
                   : (sq > pel_chi2_threshold(c->n, fit_p)) ? PEL_INT_CHI2
                   : (out->ratio < RESOLVE_RATIO)           ? PEL_INT_RATIO
                                                            : PEL_INT_OK;
-    return found;
 }
 
 /* Leave out one: the least certain where the problem is weak, else the one farthest from its integer. */
-static void leave_one_out(const pel_navigator_t *nav, const int64_t N[PEL_MAX_AMB], bool weak, chosen_t *c)
+static void leave_one_out(const pel_navigator_t *nav, const int64_t N[PEL_MAX_AMB], bool weak, pel_nav_chosen_t *c)
 {
     int worst = 0;
     double most = -1.0;
@@ -442,7 +433,8 @@ static void leave_one_out(const pel_navigator_t *nav, const int64_t N[PEL_MAX_AM
 }
 
 /* Condition the filter on the integers; their states go. */
-static void condition(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB], pel_nav_integers_t *out)
+static void condition(pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB],
+                      pel_nav_integers_t *out)
 {
     out->n_fixed = c->n;
     for (int r = 0; r < c->n; r++) {
@@ -467,7 +459,7 @@ static void condition(pel_navigator_t *nav, const chosen_t *c, const int64_t N[P
 }
 
 /* Note the best vector of this epoch, accepted or not. */
-static void note_candidates(pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB])
+static void note_candidates(pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB])
 {
     for (int r = 0; r < c->n; r++) {
         pel_tracked_t *t = &nav->track.entry[c->entry[r]];
@@ -479,7 +471,7 @@ static void note_candidates(pel_navigator_t *nav, const chosen_t *c, const int64
 }
 
 /* Epochs that agree are worth more than one that is sure of itself. Far apart, with errors of their own, two are enough. */
-static bool agree(const pel_navigator_t *nav, const chosen_t *c, const int64_t N[PEL_MAX_AMB], int often)
+static bool agree(const pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB], int often)
 {
     for (int r = 0; r < c->n; r++) {
         const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
@@ -502,45 +494,39 @@ static void watch_floats(pel_navigator_t *nav, const pel_nav_integers_t *out)
     }
 }
 
-/* On the position that held phases give, each ambiguity stands for itself. */
-static bool resolve_beside_held(pel_navigator_t *nav, pel_nav_integers_t *out)
+bool pel_nav_track_search_begin(pel_navigator_t *nav, bool held)
 {
-    int64_t N[PEL_MAX_AMB];
-    chosen_t c = choose_settled(nav);
-    for (int t = 0; t < RESOLVE_TRIES && c.n >= 1; t++) {
-        if (!search(nav, &c, FIT_BESIDE_HELD, N, out)) { return false; }
-        if (t == 0) { note_candidates(nav, &c, N); }
-        if (out->reason == PEL_INT_OK) {
-            if (!agree(nav, &c, N, AGREE_BESIDE_HELD)) { return false; }
-            condition(nav, &c, N, out);
-            return true;
-        }
-        leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, &c);
+    pel_nav_chosen_t *c = &nav->update.chosen;
+    *c = (pel_nav_chosen_t){.beside_held = held, .tries = held ? TRIES_BESIDE_HELD : TRIES_ALONE};
+    for (int i = 0; i < nav->track.n && c->n < PEL_MAX_AMB; i++) {
+        if (is_settled(nav, &nav->track.entry[i])) { c->entry[c->n++] = (uint8_t)i; }
     }
-    return false;
+    return load(nav, c);
 }
 
-static bool resolve_alone(pel_navigator_t *nav, pel_nav_integers_t *out)
+/* The best vector is there, if any: accept it, or leave one out and go on. True: this was the last. */
+static bool end_of_one(pel_navigator_t *nav, pel_nav_chosen_t *c, bool proved, pel_nav_integers_t *out)
 {
     int64_t N[PEL_MAX_AMB];
-    chosen_t c = choose_settled(nav);
-    for (int t = 0; t < TRIES_ALONE && c.n >= FEWEST_ALONE; t++) {
-        if (!search(nav, &c, FIT_ALONE, N, out)) { return false; }
-        if (t == 0) {
-            note_candidates(nav, &c, N);
-            watch_floats(nav, out);
-        }
-        if (out->reason == PEL_INT_OK) {
-            if (!agree(nav, &c, N, AGREE_ALONE)) { return false; }
-            condition(nav, &c, N, out);
-            return true;
-        }
-        leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, &c);
+    double sq = 0.0;
+    if (pel_ils_get(&nav->ils, 0, N, &sq) != PEL_OK) { return true; }
+    judge(nav, c, proved, sq, out);
+    if (c->tries == (c->beside_held ? TRIES_BESIDE_HELD : TRIES_ALONE)) {
+        note_candidates(nav, c, N);
+        if (!c->beside_held) { watch_floats(nav, out); }
     }
-    return false;
+    if (out->reason == PEL_INT_OK) {
+        if (agree(nav, c, N, c->beside_held ? AGREE_BESIDE_HELD : AGREE_ALONE)) { condition(nav, c, N, out); }
+        return true;
+    }
+    leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, c);
+    c->tries--;
+    return !load(nav, c);
 }
 
-bool pel_nav_track_resolve(pel_navigator_t *nav, bool held, pel_nav_integers_t *out)
+bool pel_nav_track_search_step(pel_navigator_t *nav, int32_t max_nodes)
 {
-    return held ? resolve_beside_held(nav, out) : resolve_alone(nav, out);
+    const pel_status_t status = pel_ils_run(&nav->ils, max_nodes);
+    if (status == PEL_W_RUNNING) { return false; }
+    return status < 0 || end_of_one(nav, &nav->update.chosen, status == PEL_OK, &nav->update.later);
 }

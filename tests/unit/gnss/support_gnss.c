@@ -138,7 +138,8 @@ void scene_observe(const scene_t *s, const pel_orbits_t *o, pel_time_t t_ns, uns
             obs->glo_k = (eph->sys == PEL_SYS_GLO) ? eph->glo.k : 0;
             const double lambda = pel_obs_lambda_m(obs);
             obs->P_m = base;
-            obs->L_cyc = (base + s->glo_slope_m * obs->glo_k) / lambda + scene_integer(obs->sys, obs->prn, obs->carrier);
+            obs->L_cyc =
+                (base + s->glo_slope_m * obs->glo_k) / lambda + scene_integer(obs->sys, obs->prn, obs->carrier);
             obs->D_hz = (float)(-rate / lambda);
         }
     }

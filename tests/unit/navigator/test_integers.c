@@ -40,7 +40,9 @@ static run_t run(int n)
 static int glonass_fixed(void)
 {
     int n = 0;
-    for (int i = 0; i < nav.n_sats; i++) { n += nav.sats[i].sys == PEL_SYS_GLO && (nav.sats[i].flags & PEL_SAT_FIXED) != 0; }
+    for (int i = 0; i < nav.n_sats; i++) {
+        n += nav.sats[i].sys == PEL_SYS_GLO && (nav.sats[i].flags & PEL_SAT_FIXED) != 0;
+    }
     return n;
 }
 
@@ -98,7 +100,9 @@ static void code_noise_is_learnt_whatever_was_told(void)
         const double expected = SD_M[i] * SD_M[i];
         /* Told: 0.35 m at the zenith, and half of the variance grows with 1 / sin^2 of elevation; the scene is white at all. */
         double told = 0.0;
-        for (int k = 0; k < nav.sd.n; k++) { told += pel_noise_var(&nav.cfg.noise, PEL_OBS_CODE, (double)nav.sd.sd[k].el_rad, 45.0) / nav.sd.n; }
+        for (int k = 0; k < nav.sd.n; k++) {
+            told += pel_noise_var(&nav.cfg.noise, PEL_OBS_CODE, (double)nav.sd.sd[k].el_rad, 45.0) / nav.sd.n;
+        }
         const double learnt = told * (double)nav.noise_level.of[PEL_NAV_LEVEL_CODE][PEL_SYS_GPS][PEL_CARRIER_L1].factor;
         printf("code of %.2f m: taken as %.2f m on average\n", SD_M[i], sqrt(learnt));
         TEST_ASSERT_EQUAL(0, r.wrong);
