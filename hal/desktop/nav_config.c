@@ -165,6 +165,14 @@ static void read_noise(config_file_t *c, const char *path, bool law, double *a, 
     *b = law ? *a : 0.0;
 }
 
+static int32_t nodes(config_file_t *c, const char *path, int64_t least, int32_t fallback)
+{
+    const int64_t n = config_file_integer(c, path, fallback);
+    if (n >= least && n <= 1000000000) { return (int32_t)n; }
+    config_file_complain(c, path, (least == 0) ? "lies within 0 and 1e9" : "lies within 1 and 1e9");
+    return fallback;
+}
+
 static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
 {
     const bool law = config_file_bool(c, "navigator.gnss.elevation_law", true);
@@ -192,12 +200,8 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     cfg->ratio_min = (float)within(c, "navigator.integers.ratio_min", (double)cfg->ratio_min, 1.0, 1e6);
     cfg->failure_max = (float)within(c, "navigator.integers.failure_max", (double)cfg->failure_max, 0.0, 1.0);
     cfg->success_min = (float)within(c, "navigator.integers.success_min", (double)cfg->success_min, 0.0, 1.0);
-    const int64_t nodes = config_file_integer(c, "navigator.integers.node_budget", cfg->node_budget);
-    if (nodes < 1 || nodes > 1000000000) {
-        config_file_complain(c, "navigator.integers.node_budget", "lies within 1 and 1e9");
-    } else {
-        cfg->node_budget = (int32_t)nodes;
-    }
+    cfg->node_budget = nodes(c, "navigator.integers.node_budget", 1, cfg->node_budget);
+    cfg->slice_nodes = nodes(c, "navigator.integers.slice_nodes", 0, cfg->slice_nodes);
 }
 
 static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t cap)

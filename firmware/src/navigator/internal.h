@@ -153,6 +153,13 @@ void pel_nav_channels_shift(pel_navigator_t *nav, int removed);
 
 /* ---- track.c: ambiguities from epoch to epoch ---- */
 
+/* The datum of a group, NULL if there is none. */
+pel_tracked_t *pel_nav_track_datum(pel_navigator_t *nav, uint8_t sys, uint8_t carrier);
+
+/* One entry's state goes, or all of it; indices of others move up. */
+void pel_nav_track_remove_state(pel_navigator_t *nav, pel_tracked_t *t);
+void pel_nav_track_drop_entry(pel_navigator_t *nav, int i);
+
 /* The number of a phase on its group's datum, if it is not a filter state. */
 bool pel_nav_track_number(const pel_navigator_t *nav, const pel_sd_t *sd, double *N);
 
@@ -177,6 +184,8 @@ void pel_nav_track_begin(pel_navigator_t *nav);
 
 void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out);
 void pel_nav_track_close_loop(pel_navigator_t *nav);
+
+/* ---- float_search.c ---- */
 
 /* After the update: integers of the float states, if they can be told; the filter is then conditioned on them. held: validated
  * phases hold the position already. False: nothing to search. A step returns true when all is done: nav->update.later. */

@@ -10,22 +10,7 @@
 #include "pelorus/math.h"
 
 #define FLOAT_SD_M          30.0 /* of a new ambiguity, as range */
-#define RESOLVE_EPOCHS      2    /* of the youngest ambiguity that may be resolved */
-#define RESOLVE_AFTER_S     0.9  /* and its age */
-#define TRIES_BESIDE_HELD   6    /* searches an epoch: each leaves out one ambiguity more */
-#define FEWEST_ALONE        5    /* ambiguities that may be resolved together */
-#define TRIES_ALONE         2
-#define AGREE_ALONE         3
-#define AGREE_BESIDE_HELD   2
-#define FIT_ALONE           0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
-#define FIT_BESIDE_HELD     0.999
-#define MISFIT_FLOATS       5
-#define RESOLVE_RATIO       3.0
-#define RESOLVE_SUCCESS     0.99
 #define MOST_CONTRADICTIONS 3   /* epochs in a row whose own integers are others than those held: then they are right */
-#define FAILURE_FACTOR      5.0 /* epochs that agree may each promise this much less */
-#define INTEGER_SD_CYC      1e-3 /* conditioning on an integer */
-#define FAR_APART_S         10.0 /* epochs with errors of their own */
 #define WANDER_EVERY_S      0.9
 
 static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
@@ -54,7 +39,7 @@ static bool same_group(const pel_tracked_t *t, uint8_t sys, uint8_t carrier)
     return t->sys == sys && t->carrier == carrier;
 }
 
-static pel_tracked_t *datum_of(pel_navigator_t *nav, uint8_t sys, uint8_t carrier)
+pel_tracked_t *pel_nav_track_datum(pel_navigator_t *nav, uint8_t sys, uint8_t carrier)
 {
     for (int i = 0; i < nav->track.n; i++) {
         pel_tracked_t *t = &nav->track.entry[i];
@@ -73,7 +58,7 @@ static bool add_state(pel_navigator_t *nav, pel_tracked_t *t, double sd_cyc)
     return true;
 }
 
-static void remove_state(pel_navigator_t *nav, pel_tracked_t *t)
+void pel_nav_track_remove_state(pel_navigator_t *nav, pel_tracked_t *t)
 {
     const int16_t state = t->state;
     if (state < 0) { return; }
@@ -86,9 +71,9 @@ static void remove_state(pel_navigator_t *nav, pel_tracked_t *t)
     pel_nav_channels_shift(nav, state);
 }
 
-static void drop(pel_navigator_t *nav, int i)
+void pel_nav_track_drop_entry(pel_navigator_t *nav, int i)
 {
-    remove_state(nav, &nav->track.entry[i]);
+    pel_nav_track_remove_state(nav, &nav->track.entry[i]);
     nav->track.n--;
     if (i < nav->track.n) { nav->track.entry[i] = nav->track.entry[nav->track.n]; }
 }
@@ -98,13 +83,13 @@ static void drop_orphans(pel_navigator_t *nav)
 {
     for (int i = nav->track.n - 1; i >= 0; i--) {
         const pel_tracked_t *t = &nav->track.entry[i];
-        if (t->state >= 0 && datum_of(nav, t->sys, t->carrier) == NULL) { drop(nav, i); }
+        if (t->state >= 0 && pel_nav_track_datum(nav, t->sys, t->carrier) == NULL) { pel_nav_track_drop_entry(nav, i); }
     }
 }
 
 void pel_nav_track_clear(pel_navigator_t *nav)
 {
-    while (nav->track.n > 0) { drop(nav, nav->track.n - 1); }
+    while (nav->track.n > 0) { pel_nav_track_drop_entry(nav, nav->track.n - 1); }
     nav->track.misfits = 0;
 }
 
@@ -121,7 +106,7 @@ void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
         const pel_obs_t *o = &e->obs[k];
         if ((o->flags & PEL_OBS_SLIP) == 0) { continue; }
         const pel_tracked_t *t = find(nav, o->sys, o->prn, o->carrier);
-        if (t != NULL) { drop(nav, (int)(t - nav->track.entry)); }
+        if (t != NULL) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
     }
     drop_orphans(nav);
 }
@@ -129,7 +114,7 @@ void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
 void pel_nav_track_drop(pel_navigator_t *nav, const pel_sd_t *sd)
 {
     const pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
-    if (t != NULL) { drop(nav, (int)(t - nav->track.entry)); }
+    if (t != NULL) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
     drop_orphans(nav);
 }
 
@@ -149,7 +134,7 @@ static void make_room(pel_navigator_t *nav)
 {
     if (nav->track.n < PEL_MAX_TRACKED && nav->ud.n < PEL_MAX_STATES) { return; }
     for (int i = nav->track.n - 1; i >= 0; i--) {
-        if (!is_seen(nav, &nav->track.entry[i])) { drop(nav, i); }
+        if (!is_seen(nav, &nav->track.entry[i])) { pel_nav_track_drop_entry(nav, i); }
     }
     drop_orphans(nav);
 }
@@ -168,7 +153,7 @@ static void hold(pel_navigator_t *nav, const pel_sd_t *sd, double N)
 {
     pel_tracked_t *t = get_or_add(nav, sd);
     if (t == NULL) { return; }
-    remove_state(nav, t);
+    pel_nav_track_remove_state(nav, t);
     t->N = N;
     t->held = true;
     t->half = false;
@@ -262,7 +247,7 @@ static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t
     t->half = sd->half;
     t->epochs = 0;
     t->since_ns = nav->at_horizon.t_ns;
-    if (!add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) { drop(nav, (int)(t - nav->track.entry)); }
+    if (!add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
 }
 
 /* The pivot becomes the datum, or another satellite if the pivot has half a cycle that is not resolved. NULL: none can. */
@@ -273,7 +258,7 @@ static const pel_sd_t *new_datum(pel_navigator_t *nav, int first, int last, doub
         const pel_sd_t *sd = &nav->sd.sd[i];
         if (phase_is_usable(sd) && (datum == NULL || (datum->half && !sd->half))) { datum = sd; }
     }
-    if (datum == NULL || datum_of(nav, datum->sys, datum->carrier) != NULL) { return NULL; }
+    if (datum == NULL || pel_nav_track_datum(nav, datum->sys, datum->carrier) != NULL) { return NULL; }
     pel_tracked_t *t = get_or_add(nav, datum);
     if (t == NULL) { return NULL; }
     t->N = pel_nav_channels_number(datum);
@@ -362,171 +347,4 @@ void pel_nav_track_close_loop(pel_navigator_t *nav)
         if (t->state >= 0) { t->N -= (double)nav->ud.x[t->state]; }
     }
     pel_nav_channels_close_loop(nav);
-}
-
-/* ---- integers from the filter's own float ambiguities ------------------------------------------------------------------------- */
-
-static bool is_settled(pel_navigator_t *nav, const pel_tracked_t *t)
-{
-    const pel_tracked_t *datum = (t->state >= 0) ? datum_of(nav, t->sys, t->carrier) : NULL;
-    return datum != NULL && !datum->half && !t->half && t->epochs >= RESOLVE_EPOCHS &&
-           pel_time_diff_s(nav->at_horizon.t_ns, t->since_ns) >= RESOLVE_AFTER_S;
-}
-
-/* Values and covariance of the chosen, written into the engine's own room. */
-static void collect(pel_navigator_t *nav, const pel_nav_chosen_t *c)
-{
-    double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
-    for (int r = 0; r < c->n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        a[r] = t->N;
-        for (int k = 0; k <= r; k++) {
-            Q[PEL_TRI(r) + k] = (double)pel_ud_cov(&nav->ud, t->state, nav->track.entry[c->entry[k]].state);
-        }
-    }
-}
-
-/* Load the chosen into the engine. False: there is nothing to search. */
-static bool load(pel_navigator_t *nav, const pel_nav_chosen_t *c)
-{
-    const double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
-    if (c->tries <= 0 || c->n < (c->beside_held ? 1 : FEWEST_ALONE)) { return false; }
-    collect(nav, c);
-    return pel_ils_init(&nav->ils, c->n, a, Q, 2, nav->cfg.node_budget) == PEL_OK;
-}
-
-/* Verdict on the search that has ended. */
-static void judge(const pel_navigator_t *nav, const pel_nav_chosen_t *c, bool proved, double sq,
-                  pel_nav_integers_t *out)
-{
-    out->n = c->n;
-    out->nodes += nav->ils.nodes;
-    out->ratio = pel_ils_ratio(&nav->ils);
-    out->success = pel_ils_success(&nav->ils);
-    const double failure_max = FAILURE_FACTOR * (double)nav->cfg.failure_max;
-    const double fit_p = c->beside_held ? FIT_BESIDE_HELD : FIT_ALONE;
-    const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, failure_max);
-    out->reason = !proved                                  ? PEL_INT_BUDGET
-                  : !promised                              ? PEL_INT_SUCCESS
-                  : (sq > pel_chi2_threshold(c->n, fit_p)) ? PEL_INT_CHI2
-                  : (out->ratio < RESOLVE_RATIO)           ? PEL_INT_RATIO
-                                                           : PEL_INT_OK;
-}
-
-/* Leave out one: the least certain where the problem is weak, else the one farthest from its integer. */
-static void leave_one_out(const pel_navigator_t *nav, const int64_t N[PEL_MAX_AMB], bool weak, pel_nav_chosen_t *c)
-{
-    int worst = 0;
-    double most = -1.0;
-    for (int r = 0; r < c->n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        const double var = (double)pel_ud_cov(&nav->ud, t->state, t->state);
-        const double off = t->N - (double)N[r];
-        const double bad = weak ? var : off * off / var;
-        if (bad > most) {
-            most = bad;
-            worst = r;
-        }
-    }
-    c->n--;
-    for (int r = worst; r < c->n; r++) { c->entry[r] = c->entry[r + 1]; }
-}
-
-/* Condition the filter on the integers; their states go. */
-static void condition(pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB],
-                      pel_nav_integers_t *out)
-{
-    out->n_fixed = c->n;
-    for (int r = 0; r < c->n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        pel_real h[PEL_MAX_STATES] = {0};
-        h[t->state] = PEL_R(1.0);
-        (void)pel_ud_update(&nav->ud, h, t->state, (pel_real)(t->N - (double)N[r]),
-                            (pel_real)(INTEGER_SD_CYC * INTEGER_SD_CYC), 0, NULL);
-    }
-    for (int r = 0; r < c->n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        pel_tracked_t *datum = datum_of(nav, t->sys, t->carrier);
-        if (datum != NULL) { datum->held = true; }
-    }
-    pel_nav_close_loop(nav);
-    for (int r = 0; r < c->n; r++) {
-        pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        remove_state(nav, t);
-        t->N = (double)N[r];
-        t->held = true;
-    }
-}
-
-/* Note the best vector of this epoch, accepted or not. */
-static void note_candidates(pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB])
-{
-    for (int r = 0; r < c->n; r++) {
-        pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        const bool same = t->agreed > 0 && t->candidate == (double)N[r];
-        if (!same) { t->agreed_since_ns = nav->at_horizon.t_ns; }
-        t->agreed = (uint8_t)(!same ? 1 : (t->agreed < UINT8_MAX) ? t->agreed + 1 : UINT8_MAX);
-        t->candidate = (double)N[r];
-    }
-}
-
-/* Epochs that agree are worth more than one that is sure of itself. Far apart, with errors of their own, two are enough. */
-static bool agree(const pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB], int often)
-{
-    for (int r = 0; r < c->n; r++) {
-        const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        const double span_s = pel_time_diff_s(nav->at_horizon.t_ns, t->agreed_since_ns);
-        const int enough = (span_s >= FAR_APART_S) ? 2 : often;
-        if (t->candidate != (double)N[r] || t->agreed < enough) { return false; }
-    }
-    return true;
-}
-
-/* Float ambiguities that fit no integers for long hold a slip that nobody saw: they begin anew. */
-static void watch_floats(pel_navigator_t *nav, const pel_nav_integers_t *out)
-{
-    const bool misfit = out->reason == PEL_INT_CHI2;
-    nav->track.misfit_floats = (uint8_t)(misfit ? nav->track.misfit_floats + 1 : 0);
-    if (nav->track.misfit_floats < MISFIT_FLOATS) { return; }
-    nav->track.misfit_floats = 0;
-    for (int i = nav->track.n - 1; i >= 0; i--) {
-        if (nav->track.entry[i].state >= 0) { drop(nav, i); }
-    }
-}
-
-bool pel_nav_track_search_begin(pel_navigator_t *nav, bool held)
-{
-    pel_nav_chosen_t *c = &nav->update.chosen;
-    *c = (pel_nav_chosen_t){.beside_held = held, .tries = held ? TRIES_BESIDE_HELD : TRIES_ALONE};
-    for (int i = 0; i < nav->track.n && c->n < PEL_MAX_AMB; i++) {
-        if (is_settled(nav, &nav->track.entry[i])) { c->entry[c->n++] = (uint8_t)i; }
-    }
-    return load(nav, c);
-}
-
-/* The best vector is there, if any: accept it, or leave one out and go on. True: this was the last. */
-static bool end_of_one(pel_navigator_t *nav, pel_nav_chosen_t *c, bool proved, pel_nav_integers_t *out)
-{
-    int64_t N[PEL_MAX_AMB];
-    double sq = 0.0;
-    if (pel_ils_get(&nav->ils, 0, N, &sq) != PEL_OK) { return true; }
-    judge(nav, c, proved, sq, out);
-    if (c->tries == (c->beside_held ? TRIES_BESIDE_HELD : TRIES_ALONE)) {
-        note_candidates(nav, c, N);
-        if (!c->beside_held) { watch_floats(nav, out); }
-    }
-    if (out->reason == PEL_INT_OK) {
-        if (agree(nav, c, N, c->beside_held ? AGREE_BESIDE_HELD : AGREE_ALONE)) { condition(nav, c, N, out); }
-        return true;
-    }
-    leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, c);
-    c->tries--;
-    return !load(nav, c);
-}
-
-bool pel_nav_track_search_step(pel_navigator_t *nav, int32_t max_nodes)
-{
-    const pel_status_t status = pel_ils_run(&nav->ils, max_nodes);
-    if (status == PEL_W_RUNNING) { return false; }
-    return status < 0 || end_of_one(nav, &nav->update.chosen, status == PEL_OK, &nav->update.later);
 }
