@@ -3,12 +3,10 @@
  * Ports: OUT = UART0 sending, IMU = UART1, ROVER = UART2, BASE = UART3, AUX1 = UART4 receiving; 921600 baud. Interrupts move
  * bytes between the UARTs and one ring a port; each ring has one writer and one reader, so no lock is needed. The boards have
  * no PPS, no event input and no non-volatile store. */
-#include "board.h"
 #include "cmsdk.h"
+#include "mps2.h"
 
-#define BAUD       921600u
-#define WATCHDOG_S 4u
-#define WAKE_HZ    10u
+#define BAUD 921600u
 
 /* Bytes each port can hold while the main loop is busy with an epoch: at 921600 baud 92 bytes arrive each millisecond. */
 #define IMU_RING   8192u
@@ -37,9 +35,6 @@ static port_t ports[HAL_N_PORTS] = {
     [HAL_PORT_AUX1] = {UART4, UART4_RX_IRQ, aux1_bytes, AUX1_RING, 0, 0, 0},
     [HAL_PORT_OUT] = {UART0, UART0_RX_IRQ + 1, out_bytes, OUT_RING, 0, 0, 0},
 };
-
-static uint64_t ticks;      /* of TIMER0 since hal_init() */
-static uint32_t last_value; /* of TIMER0 when ticks was brought up to date */
 
 /* Keep the compiler from moving a ring's bytes past its index; one core, so the hardware needs no barrier. */
 static void barrier(void)
@@ -107,17 +102,9 @@ bool hal_init(void)
         p->uart->CTRL = (i == HAL_PORT_OUT) ? (UART_CTRL_TX | UART_CTRL_TX_INT) : (UART_CTRL_RX | UART_CTRL_RX_INT);
         NVIC_ENABLE = 1u << p->irq;
     }
-    TIMER0->RELOAD = UINT32_MAX;
-    TIMER0->VALUE = UINT32_MAX;
-    TIMER0->CTRL = 1;
-    last_value = UINT32_MAX;
-
-    WATCHDOG->LOCK = WATCHDOG_UNLOCK;
-    WATCHDOG->LOAD = WATCHDOG_S * PCLK_HZ;
-    WATCHDOG->CTRL = 3;
-
-    SYSTICK_LOAD = PCLK_HZ / WAKE_HZ - 1;
-    SYSTICK_CTRL = 7; /* count the core's clock, interrupt */
+    board_clock_start();
+    mps2_watchdog_start();
+    mps2_wake_start();
     return true;
 }
 
@@ -158,15 +145,6 @@ size_t hal_write(hal_port_t port, const uint8_t *buf, size_t n)
     return taken;
 }
 
-/* The 32-bit timer wraps every 171 s; the main loop's watchdog kicks keep the count whole. */
-int64_t hal_clock_ns(void)
-{
-    const uint32_t value = TIMER0->VALUE;
-    ticks += last_value - value; /* counts down */
-    last_value = value;
-    return (int64_t)(ticks * (1000000000u / PCLK_HZ));
-}
-
 pel_time_t hal_gps_time(void)
 {
     return 0;
@@ -205,12 +183,6 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
     (void)buf;
     (void)n;
     return 0;
-}
-
-void hal_watchdog_kick(void)
-{
-    WATCHDOG->INTCLR = 1; /* also reloads the counter */
-    (void)hal_clock_ns();
 }
 
 void hal_idle(void)
