@@ -3,7 +3,6 @@
 
 #include "cmsdk.h"
 #include "mps2.h"
-#include "semihost.h"
 
 /* Of the linker script. */
 extern uint32_t _sidata, _sdata, _edata, _sbss, _ebss;
@@ -53,11 +52,4 @@ void reset_handler(void)
     if (!hal_init()) { board_exit(BOARD_EXIT_INIT); }
     firmware_main();
     board_exit(0);
-}
-
-void board_exit(int code)
-{
-    const uint32_t block[2] = {SEMIHOST_EXITED, (uint32_t)code};
-    (void)semihost(SEMIHOST_EXIT_EXTENDED, block);
-    for (;;) {}
 }

@@ -14,6 +14,7 @@ from pil.board import ROOT
 
 SECONDS = 8         # of the scenario
 MAY_MISS = 2        # epochs that the desktop still serves when its input ends
+START_S = 0.5       # a board drops what comes before its UARTs are up
 QUIET_S = 0.03      # no byte for this long: the board has answered
 
 
@@ -74,8 +75,8 @@ def replay(board, folder):
 
     folder = folder / f"uart-{board.name}"
     folder.mkdir()
-    wires = Wires(board, "pelorus", folder)
-    said = b""
+    wires = Wires(board, "emulated", folder)
+    said = wires.receive(START_S)
     try:
         for _, _, data in eventlog.events(eventlog.open_bytes(str(capture))):
             wires.send("rover", bytes(data))
