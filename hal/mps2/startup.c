@@ -14,6 +14,12 @@ static void fault_handler(void)
     board_exit(BOARD_EXIT_FAULT);
 }
 
+/* The watchdog's first expiry: its second one resets. */
+static void nmi_handler(void)
+{
+    for (;;) {}
+}
+
 static void systick_handler(void) {}
 
 /* A program without the drivers of board.c enables none of these. */
@@ -33,8 +39,8 @@ static const struct {
     vector_t irq[32];
 } vectors __attribute__((section(".vectors"), used)) = {
     &_estack,
-    {reset_handler, fault_handler, fault_handler, fault_handler, fault_handler, fault_handler, 0, 0, 0, 0,
-     fault_handler, fault_handler, 0, fault_handler, systick_handler},
+    {reset_handler, nmi_handler, fault_handler, fault_handler, fault_handler, fault_handler, 0, 0, 0, 0, fault_handler,
+     fault_handler, 0, fault_handler, systick_handler},
     {[UART0_RX_IRQ + 1] = uart_out_irq,
      [UART1_RX_IRQ] = uart_imu_irq,
      [UART2_RX_IRQ] = uart_rover_irq,

@@ -11,7 +11,9 @@ set(PEL_BOARD_LINK_OPTIONS --specs=nano.specs -Wl,--wrap=__aeabi_dadd,--wrap=__a
 set(PEL_BOARD_LINKER_SCRIPT stm32f405/stm32f405.ld)
 set(PEL_BOARD_INCLUDES stm32f405)
 
-# For make pil: the emulator's command, which port each of its UARTs is, and what programs need to run there.
+# For make pil: the emulator's command, which port each of its UARTs is, and what programs need to run there: its core-coupled memory
+# follows the RAM, its timers count at 1 GHz.
 set(PEL_BOARD_EMULATOR qemu-system-arm -M netduinoplus2)
 set(PEL_BOARD_SERIALS out imu rover base aux1)
-set(PEL_BOARD_EMULATED -Wl,--defsym=_ccm=0x20020000)
+set(PEL_BOARD_EMULATED_LINK_OPTIONS -Wl,--defsym=_ccm=0x20020000)
+set(PEL_BOARD_EMULATED_DEFINITIONS STM32_INTERNAL_TIMER_HZ=1000000000u)

@@ -3,6 +3,11 @@
 
 #define PATIENCE 100000u /* turns of a waiting loop: tens of ms */
 
+/* What the timers count at without the crystal; an emulator has its own idea of it (board.cmake). */
+#ifndef STM32_INTERNAL_TIMER_HZ
+#define STM32_INTERNAL_TIMER_HZ 16000000u
+#endif
+
 static stm32_clocks_t clocks;
 static int64_t ticks; /* of TIM2 since board_clock_start() */
 static uint32_t last_count;
@@ -35,7 +40,7 @@ void stm32_clocks_start(void)
         clocks = (stm32_clocks_t){168000000u, 42000000u, 84000000u, 84000000u};
     } else {
         RCC_CFGR = 0; /* the internal oscillator, undivided */
-        clocks = (stm32_clocks_t){16000000u, 16000000u, 16000000u, 16000000u};
+        clocks = (stm32_clocks_t){16000000u, 16000000u, 16000000u, STM32_INTERNAL_TIMER_HZ};
     }
 }
 

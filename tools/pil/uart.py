@@ -5,6 +5,7 @@ configuration, and its output is read as it comes: a board does not know of an e
 for.
 """
 
+import select
 import socket
 import subprocess
 import time
@@ -14,8 +15,9 @@ from pil.board import ROOT
 
 SECONDS = 8         # of the scenario
 MAY_MISS = 2        # epochs that the desktop still serves when its input ends
-START_S = 0.5       # a board drops what comes before its UARTs are up
-QUIET_S = 0.03      # no byte for this long: the board has answered
+START_S = 1.0       # a board drops what comes before its UARTs are up
+END_S = 1.5         # for what the board still says after its last byte of input
+TIMEOUT_S = 20      # for an epoch
 
 
 class Wires:
@@ -45,15 +47,37 @@ class Wires:
     def send(self, port, data):
         self.socket[port].sendall(data)
 
-    def receive(self, quiet_s):
-        """What the OUT port says until it is quiet."""
+    def receive(self, least, timeout_s):
+        """At least so many bytes of what the OUT port says, if they come in time."""
         said = b""
-        self.socket["out"].settimeout(quiet_s)
-        try:
-            while chunk := self.socket["out"].recv(65536):
+        give_up = time.monotonic() + timeout_s
+        while len(said) < least and (left := give_up - time.monotonic()) > 0:
+            if select.select([self.socket["out"]], [], [], left)[0]:
+                chunk = self.socket["out"].recv(65536)
+                if not chunk:
+                    break  # the emulator has ended
                 said += chunk
-        except (TimeoutError, ConnectionError):
-            pass
+        return said
+
+    def loop(self, end, timeout_s):
+        """Join the OUT port with all inputs until it has said `end`; what it said."""
+        said = b""
+        out = self.socket["out"]
+        waiting = {s: b"" for port, s in self.socket.items() if port != "out"}  # never block: the emulator may wait for us
+        for s in self.socket.values():
+            s.setblocking(False)
+        give_up = time.monotonic() + timeout_s
+        while end not in said and time.monotonic() < give_up:
+            readable, writable, _ = select.select([out], [s for s, data in waiting.items() if data], [], 0.2)
+            if readable:
+                chunk = out.recv(65536)
+                if not chunk:
+                    break  # the emulator has ended
+                said += chunk
+                for s in waiting:
+                    waiting[s] += chunk
+            for s in writable:
+                waiting[s] = waiting[s][s.send(waiting[s][:64]):]
         return said
 
     def close(self):
@@ -63,25 +87,33 @@ class Wires:
             s.close()
 
 
+def make_capture(path):
+    """(time, bytes) of a rover alone, written to a capture as well."""
+    whole = path.with_suffix(".whole")
+    subprocess.run(["pelorus-sim", "-q", ROOT / "scenarios/walk.toml", "--duration", str(SECONDS), "-o", whole], check=True)
+    events = [(t, bytes(d)) for t, c, d in eventlog.events(eventlog.open_bytes(str(whole))) if c == b"UART_ROVER"]
+    eventlog.write(path, ((t, "UART_ROVER", d) for t, d in events))
+    return events
+
+
 def replay(board, folder):
     """(what went wrong or None, bytes of the board)."""
-    whole, capture, out = folder / "uart.whole", folder / "uart.log", folder / "uart.out"
-    if not capture.exists():
-        subprocess.run(["pelorus-sim", "-q", ROOT / "scenarios/walk.toml", "--duration", str(SECONDS), "-o", whole], check=True)
-        rover = ((t, "UART_ROVER", bytes(d)) for t, c, d in eventlog.events(eventlog.open_bytes(str(whole))) if c == b"UART_ROVER")
-        eventlog.write(capture, rover)
-    subprocess.run([board.sil, "-q", capture, "-o", out], check=True)
-    desktop = b"".join(bytes(d) for _, c, d in eventlog.events(eventlog.open_bytes(str(out))) if c == b"UART_OUT")
-
     folder = folder / f"uart-{board.name}"
     folder.mkdir()
+    events = make_capture(folder / "uart.log")
+    subprocess.run([board.sil, "-q", folder / "uart.log", "-o", folder / "uart.out"], check=True)
+    out = [(t, bytes(d)) for t, c, d in eventlog.events(eventlog.open_bytes(str(folder / "uart.out"))) if c == b"UART_OUT"]
+    desktop = b"".join(d for _, d in out)
+
     wires = Wires(board, "emulated", folder)
-    said = wires.receive(START_S)
+    said = wires.receive(1, START_S)
     try:
-        for _, _, data in eventlog.events(eventlog.open_bytes(str(capture))):
-            wires.send("rover", bytes(data))
-            said += wires.receive(QUIET_S)
-        said += wires.receive(1.0)
+        for i, (t, data) in enumerate(events):
+            wires.send("rover", data)
+            last = i + 1 == len(events)
+            if last or events[i + 1][0] > t:  # do not run ahead of the board: what it cannot send at once it drops
+                due = len(desktop) if last else sum(len(d) for t_out, d in out if t_out <= t)
+                said += wires.receive(due - len(said), END_S if last else TIMEOUT_S)
     finally:
         wires.close()
     if not desktop.startswith(said):
