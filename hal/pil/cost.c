@@ -4,11 +4,11 @@
  * Work inside work (a row inside an epoch) belongs to both; what counting it costs is taken off the outer one. */
 #include "cost.h"
 
-#include "internal.h" /* of the navigator: an epoch and its integers are no public calls */
+#include "internal.h" /* of the navigator: to apply an epoch is no public call */
 #include "pelorus/wire.h"
 #include "semihost.h"
 
-#define SAMPLED_KINDS 5
+#define SAMPLED_KINDS 4
 #define PAINT         0xA5u
 #define PAINT_MARGIN  256 /* bytes below this frame that painting itself may use */
 
@@ -168,10 +168,24 @@ COUNTED(COST_ROW, pel_status_t, pel_ud_update,
         (pel_ud_t * ud, const pel_real h[], int first, pel_real z, pel_real var, pel_real gate, pel_real *nis),
         (ud, h, first, z, var, gate, nis))
 
-COUNTED(COST_SLICE, pel_status_t, pel_ils_run, (pel_ils_t * s, int32_t max_nodes), (s, max_nodes))
-COUNTED_VOID(COST_INTEGERS, pel_nav_resolve, (pel_navigator_t * nav, const double P_a[3][3], pel_nav_integers_t *out),
-             (nav, P_a, out))
-COUNTED(COST_INTEGERS, bool, pel_nav_track_resolve, (pel_navigator_t * nav, pel_nav_integers_t *out), (nav, out))
+/* A slice is part of the integers' work, inside pel_amb_resolve() or alone. */
+DECLARE(pel_ils_run)
+pel_status_t __wrap_pel_ils_run(pel_ils_t *s, int32_t max_nodes)
+{
+    const mark_t integers = enter(COST_INTEGERS);
+    const mark_t slice = enter(COST_SLICE);
+    const pel_status_t status = __real_pel_ils_run(s, max_nodes);
+    leave(slice, COST_SLICE, COST_SLICE);
+    leave(integers, COST_INTEGERS, COST_INTEGERS);
+    return status;
+}
+COUNTED(COST_INTEGERS, pel_status_t, pel_ils_init,
+        (pel_ils_t * s, int n, const double *a, const double *Q, int n_best, int32_t budget),
+        (s, n, a, Q, n_best, budget))
+COUNTED(COST_INTEGERS, pel_status_t, pel_amb_resolve,
+        (pel_amb_problem_t * p, pel_ils_t *s, const pel_int_limits_t *limits, int32_t budget, int max_tries, int64_t *N,
+         pel_int_verdict_t *v),
+        (p, s, limits, budget, max_tries, N, v))
 
 COUNTED(COST_ORBITS, pel_status_t, pel_spp_solve,
         (const pel_epoch_t *e, const pel_orbits_t *o, const pel_spp_config_t *cfg, const pel_spp_t *start,

@@ -10,7 +10,7 @@ typedef enum {
     COST_EPOCH = 1,    /* a push that applied an epoch: everything in it */
     COST_ROW = 2,      /* pel_ud_update() */
     COST_SLICE = 3,    /* pel_ils_run() */
-    COST_INTEGERS = 4, /* float ambiguities, searches and verdict of an epoch, slices included */
+    COST_INTEGERS = 4, /* float ambiguities, searches and verdict, slices included */
     COST_ORBITS = 5,   /* single-point solution, satellite views */
     COST_RECEIVE = 6,  /* one byte into a receiver's decoder */
     COST_IMU_BYTE = 7, /* one byte into the IMU's */
@@ -20,7 +20,7 @@ typedef enum {
 } cost_kind_t;
 
 /* The file they go to: bytes of stack used, kinds, then sums u64 and counts u64 by kind; before them, while the tape runs, samples
- * of the first five kinds: u64 kind << 56 | ns. */
+ * of the first four kinds: u64 kind << 56 | ns. */
 bool cost_start(int32_t file);
 void cost_finish(void);
 
