@@ -5,7 +5,7 @@ cd "$(dirname "$0")/.."
 board=${1:?usage: firmware.sh BOARD}
 cmake/board.sh "$board"
 build=build/$board
-python3 cmake/firmware_report.py "$build/hal/pelorus-$board.elf" "$build"
+PYTHONPATH=tools python3 -m firmware.report "$board" "$build/hal/pelorus-$board.elf" "$build"
 
 # The navigator's RAM budget of the design is for 2 x 32 signals; the board has the sizes of config.h and board.cmake.
 small="PEL_MAX_OBS=32 PEL_MAX_SATS=16 PEL_MAX_EPH=16 PEL_MAX_AMB=24 PEL_MAX_STATES=24 PEL_MAX_TRACKED=32 PEL_IMU_RING=128 PEL_POSE_RING=32"
