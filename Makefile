@@ -21,6 +21,9 @@ firmware: ## cross-compile for BOARD (mps2-an386, mps2-an500, stm32f405, rv32-vi
 pil: ## replay captures on emulated BOARD (BOARDS="..." for several), hold the bytes against the desktop's
 	@JOBS=$(JOBS) bash cmake/pil.sh $(BOARDS) $(ARGS)
 
+sizes: ## measure code, RAM, stack and instructions on the boards, write docs/SIZES.md (ARGS=--check: hold it against them)
+	@cmake/bootstrap.sh host target && $(CMAKE_HOST) --target programs pil_programs && $(PYTHON) -m pil.sizes $(ARGS)
+
 check: ## format, warnings with gcc and clang, clang-tidy, cppcheck, headers, symbols
 	@JOBS=$(JOBS) bash cmake/check.sh
 
