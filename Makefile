@@ -1,5 +1,6 @@
 # The front door. `make help` lists the verbs; each is one line into CMake or a script.
 BOARD ?= mps2-an386
+BOARDS ?= $(BOARD)
 JOBS ?= $(shell nproc)
 CMAKE_HOST = cmake/bootstrap.sh host && cmake --preset host --log-level=WARNING >/dev/null && cmake --build build/host -j $(JOBS)
 PYTHON = PATH="$(CURDIR)/build/bin:$(CURDIR)/build/deps/venv/bin:$$PATH" PYTHONPATH="$(CURDIR)/tools:$(CURDIR)/build/host/lcm/python" build/deps/venv/bin/python
@@ -14,8 +15,14 @@ demo: all ## simulate a survey flight, run the firmware on it, print its error t
 test: ## run every test, then the unit tests under sanitizers
 	@JOBS=$(JOBS) bash cmake/test.sh
 
-firmware: ## cross-compile for BOARD (mps2-an386, mps2-an500); print code, RAM, stack
+firmware: ## cross-compile for BOARD (mps2-an386, mps2-an500, stm32f405, rv32-virt); print code, RAM, stack
 	@JOBS=$(JOBS) bash cmake/firmware.sh $(BOARD)
+
+pil: ## replay captures on emulated BOARD (BOARDS="..." for several), hold the bytes against the desktop's
+	@JOBS=$(JOBS) bash cmake/pil.sh $(BOARDS) $(ARGS)
+
+sizes: ## measure code, RAM, stack and instructions on the boards, write docs/SIZES.md (ARGS=--check: hold it against them)
+	@cmake/bootstrap.sh host target && $(CMAKE_HOST) --target programs pil_programs && $(PYTHON) -m pil.sizes $(ARGS)
 
 check: ## format, warnings with gcc and clang, clang-tidy, cppcheck, headers, symbols
 	@JOBS=$(JOBS) bash cmake/check.sh
@@ -44,4 +51,4 @@ clean: ## remove what was built, keep what was fetched
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-.PHONY: all demo test firmware check bench promise replay faults format asan clean help
+.PHONY: all demo test firmware pil sizes check bench promise replay faults format asan clean help

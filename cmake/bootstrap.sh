@@ -1,7 +1,7 @@
 #!/bin/bash
 # Fetch what the build needs, by package name: system packages by apt-get, the rest into build/deps.
 #
-#   cmake/bootstrap.sh [GROUP...]     groups: host (default), test, check, firmware, bench
+#   cmake/bootstrap.sh [GROUP...]     groups: host (default), test, check, firmware, firmware-rv32, target, bench
 #
 # Says what it installs. Without the right to install it lists the missing packages and fails. A second call with nothing
 # to do returns at once. UNITY_DIR=<a Unity source tree> skips fetching Unity.
@@ -16,6 +16,8 @@ packages_of() {
     test) echo rtklib librtklib1 librtklib-dev gpsd-clients gpsd-tools gpsd procps ;;
     check) echo clang clang-tidy clang-format cppcheck ;;
     firmware) echo gcc-arm-none-eabi libnewlib-arm-none-eabi cmake ninja-build python3 make ;;
+    firmware-rv32) echo gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf cmake ninja-build python3 make ;;
+    target) echo $(packages_of firmware) $(packages_of firmware-rv32) qemu-system-arm qemu-system-misc ;;
     bench) echo gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm valgrind ;;
     *) echo "bootstrap.sh: unknown group '$1'" >&2; exit 2 ;;
     esac

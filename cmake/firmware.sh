@@ -3,16 +3,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 board=${1:?usage: firmware.sh BOARD}
-if [ ! -e "hal/$board/board.cmake" ]; then
-    echo "make firmware: no board '$board'; there are: $(cd hal && ls -d */board.cmake | xargs -n1 dirname | tr '\n' ' ')" >&2
-    exit 2
-fi
-cmake/bootstrap.sh firmware
-preset=$(sed -n 's/^set(PEL_BOARD_PRESET \(.*\))/\1/p' "hal/$board/board.cmake")
+cmake/board.sh "$board"
 build=build/$board
-cmake --preset "$preset" -B "$build" -DPEL_BOARD="$board" -DPEL_SIZES="${SIZES:-}" --log-level=WARNING --no-warn-unused-cli >/dev/null
-cmake --build "$build" -j "${JOBS:-2}" -- --quiet
-python3 cmake/firmware_report.py "$build/hal/pelorus-$board.elf" "$build"
+PYTHONPATH=tools python3 -m firmware.report "$board" "$build/hal/pelorus-$board.elf" "$build"
 
 # The navigator's RAM budget of the design is for 2 x 32 signals; the board has the sizes of config.h and board.cmake.
 small="PEL_MAX_OBS=32 PEL_MAX_SATS=16 PEL_MAX_EPH=16 PEL_MAX_AMB=24 PEL_MAX_STATES=24 PEL_MAX_TRACKED=32 PEL_IMU_RING=128 PEL_POSE_RING=32"

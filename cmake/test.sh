@@ -3,10 +3,12 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 jobs=${JOBS:-$(nproc)}
-cmake/bootstrap.sh host test
+cmake/bootstrap.sh host test target
 
 cmake --preset host --log-level=WARNING >/dev/null
 cmake --build build/host -j "$jobs"
+cmake --build build/host -j "$jobs" --target pil_programs
+JOBS=$jobs cmake/board.sh $(cd hal && ls -d */board.cmake | xargs -n1 dirname)
 cmake --preset host-asan --log-level=WARNING >/dev/null
 cmake --build build/asan -j "$jobs" --target unit_tests
 

@@ -1,10 +1,16 @@
-# MPS2 with FPGA image AN386: Cortex-M4F. The whole difference to its sister board is the core.
+# MPS2 with FPGA image AN386: Cortex-M4F. The differences to its sister board are the core and libgcc's double arithmetic.
 set(PEL_BOARD_PRESET m4f)
 
 # Sizes of config.h that differ here, for example PEL_MAX_OBS=64. None: with the desktop's sizes a capture gives the
 # desktop's bytes.
 set(PEL_BOARD_DEFINITIONS)
 
-set(PEL_BOARD_SOURCES mps2/startup.c mps2/board.c)
+set(PEL_BOARD_SOURCES mps2/startup.c mps2/clock.c common/semihost.c common/arm_double_add.c) # of every program
+set(PEL_BOARD_DRIVERS mps2/board.c) # of the firmware
+set(PEL_BOARD_LINK_OPTIONS --specs=nano.specs -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub)
 set(PEL_BOARD_LINKER_SCRIPT mps2/mps2.ld)
 set(PEL_BOARD_INCLUDES mps2)
+
+# For make pil: the emulator's command.
+set(PEL_BOARD_EMULATOR qemu-system-arm -M mps2-an386)
+set(PEL_BOARD_SERIALS out imu rover base aux1) # which port each of its UARTs is

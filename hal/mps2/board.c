@@ -1,14 +1,12 @@
 /* board.c - hal.h on the MPS2 boards AN386 (Cortex-M4F) and AN500 (Cortex-M7).
  *
  * Ports: OUT = UART0 sending, IMU = UART1, ROVER = UART2, BASE = UART3, AUX1 = UART4 receiving; 921600 baud. Interrupts move
- * bytes between the UARTs and one ring a port; each ring has one writer and one reader, so no lock is needed. The boards have
- * no PPS, no event input and no non-volatile store. */
-#include "board.h"
+ * bytes between the UARTs and one ring a port. The boards have no PPS, no event input and no non-volatile store. */
 #include "cmsdk.h"
+#include "mps2.h"
+#include "ring.h"
 
-#define BAUD       921600u
-#define WATCHDOG_S 4u
-#define WAKE_HZ    10u
+#define BAUD 921600u
 
 /* Bytes each port can hold while the main loop is busy with an epoch: at 921600 baud 92 bytes arrive each millisecond. */
 #define IMU_RING   8192u
@@ -20,50 +18,30 @@
 typedef struct {
     cmsdk_uart_t *uart;
     uint32_t irq;
-    uint8_t *bytes;
-    uint32_t size;          /* a power of two */
-    volatile uint32_t head; /* bytes ever written; head - tail are waiting */
-    volatile uint32_t tail; /* bytes ever read */
-    volatile uint32_t lost;
+    ring_t ring;
 } port_t;
 
 static uint8_t imu_bytes[IMU_RING], rover_bytes[ROVER_RING], base_bytes[BASE_RING], aux1_bytes[AUX1_RING],
     out_bytes[OUT_RING];
 
 static port_t ports[HAL_N_PORTS] = {
-    [HAL_PORT_IMU] = {UART1, UART1_RX_IRQ, imu_bytes, IMU_RING, 0, 0, 0},
-    [HAL_PORT_ROVER] = {UART2, UART2_RX_IRQ, rover_bytes, ROVER_RING, 0, 0, 0},
-    [HAL_PORT_BASE] = {UART3, UART3_RX_IRQ, base_bytes, BASE_RING, 0, 0, 0},
-    [HAL_PORT_AUX1] = {UART4, UART4_RX_IRQ, aux1_bytes, AUX1_RING, 0, 0, 0},
-    [HAL_PORT_OUT] = {UART0, UART0_RX_IRQ + 1, out_bytes, OUT_RING, 0, 0, 0},
+    [HAL_PORT_IMU] = {UART1, UART1_RX_IRQ, {imu_bytes, IMU_RING, 0, 0, 0}},
+    [HAL_PORT_ROVER] = {UART2, UART2_RX_IRQ, {rover_bytes, ROVER_RING, 0, 0, 0}},
+    [HAL_PORT_BASE] = {UART3, UART3_RX_IRQ, {base_bytes, BASE_RING, 0, 0, 0}},
+    [HAL_PORT_AUX1] = {UART4, UART4_RX_IRQ, {aux1_bytes, AUX1_RING, 0, 0, 0}},
+    [HAL_PORT_OUT] = {UART0, UART0_RX_IRQ + 1, {out_bytes, OUT_RING, 0, 0, 0}},
 };
-
-static uint64_t ticks;      /* of TIMER0 since hal_init() */
-static uint32_t last_value; /* of TIMER0 when ticks was brought up to date */
-
-/* Keep the compiler from moving a ring's bytes past its index; one core, so the hardware needs no barrier. */
-static void barrier(void)
-{
-    __asm volatile("" ::: "memory");
-}
 
 static void receive(port_t *p)
 {
     cmsdk_uart_t *u = p->uart;
     u->INT = UART_INT_RX;
     while ((u->STATE & UART_RX_FULL) != 0) {
-        const uint8_t byte = (uint8_t)u->DATA;
-        if (p->head - p->tail < p->size) {
-            p->bytes[p->head & (p->size - 1)] = byte;
-            barrier();
-            p->head++;
-        } else {
-            p->lost++;
-        }
+        if (!ring_put(&p->ring, (uint8_t)u->DATA)) { p->ring.lost++; }
     }
     if ((u->STATE & UART_RX_OVERRUN) != 0) {
         u->STATE = UART_RX_OVERRUN;
-        p->lost++;
+        p->ring.lost++;
     }
 }
 
@@ -71,11 +49,9 @@ static void receive(port_t *p)
 static void transmit(port_t *p)
 {
     cmsdk_uart_t *u = p->uart;
+    uint8_t byte;
     u->INT = UART_INT_TX;
-    while (p->tail != p->head && (u->STATE & UART_TX_FULL) == 0) {
-        u->DATA = p->bytes[p->tail & (p->size - 1)];
-        p->tail++;
-    }
+    while ((u->STATE & UART_TX_FULL) == 0 && ring_get(&p->ring, &byte)) { u->DATA = byte; }
 }
 
 void uart_imu_irq(void)
@@ -107,17 +83,9 @@ bool hal_init(void)
         p->uart->CTRL = (i == HAL_PORT_OUT) ? (UART_CTRL_TX | UART_CTRL_TX_INT) : (UART_CTRL_RX | UART_CTRL_RX_INT);
         NVIC_ENABLE = 1u << p->irq;
     }
-    TIMER0->RELOAD = UINT32_MAX;
-    TIMER0->VALUE = UINT32_MAX;
-    TIMER0->CTRL = 1;
-    last_value = UINT32_MAX;
-
-    WATCHDOG->LOCK = WATCHDOG_UNLOCK;
-    WATCHDOG->LOAD = WATCHDOG_S * PCLK_HZ;
-    WATCHDOG->CTRL = 3;
-
-    SYSTICK_LOAD = PCLK_HZ / WAKE_HZ - 1;
-    SYSTICK_CTRL = 7; /* count the core's clock, interrupt */
+    board_clock_start();
+    mps2_watchdog_start();
+    mps2_wake_start();
     return true;
 }
 
@@ -128,43 +96,24 @@ bool hal_running(void)
 
 size_t hal_read(hal_port_t port, uint8_t *buf, size_t cap)
 {
-    port_t *p = &ports[port];
     size_t n = 0;
-    while (n < cap && p->tail != p->head) {
-        barrier();
-        buf[n++] = p->bytes[p->tail & (p->size - 1)];
-        p->tail++;
-    }
+    while (n < cap && ring_get(&ports[port].ring, &buf[n])) { n++; }
     return n;
 }
 
 uint32_t hal_overruns(hal_port_t port)
 {
-    return ports[port].lost;
+    return ports[port].ring.lost;
 }
 
 size_t hal_write(hal_port_t port, const uint8_t *buf, size_t n)
 {
-    port_t *p = &ports[port];
     size_t taken = 0;
-    while (taken < n && p->head - p->tail < p->size) {
-        p->bytes[p->head & (p->size - 1)] = buf[taken++];
-        barrier();
-        p->head++;
-    }
+    while (taken < n && ring_put(&ports[port].ring, buf[taken])) { taken++; }
     __asm volatile("cpsid i" ::: "memory"); /* an idle transmitter raises no interrupt by itself */
-    transmit(p);
+    transmit(&ports[port]);
     __asm volatile("cpsie i" ::: "memory");
     return taken;
-}
-
-/* The 32-bit timer wraps every 171 s; the main loop's watchdog kicks keep the count whole. */
-int64_t hal_clock_ns(void)
-{
-    const uint32_t value = TIMER0->VALUE;
-    ticks += last_value - value; /* counts down */
-    last_value = value;
-    return (int64_t)(ticks * (1000000000u / PCLK_HZ));
 }
 
 pel_time_t hal_gps_time(void)
@@ -205,12 +154,6 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
     (void)buf;
     (void)n;
     return 0;
-}
-
-void hal_watchdog_kick(void)
-{
-    WATCHDOG->INTCLR = 1; /* also reloads the counter */
-    (void)hal_clock_ns();
 }
 
 void hal_idle(void)

@@ -6,7 +6,7 @@ core=$1
 out=$2/bench-$core
 mkdir -p "$out"
 case $core in
-m4f) cpu="-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16" board=mps2-an386 ;;
+m4f) cpu="-mcpu=cortex-m4 -mfloat-abi=hard -mfpu=fpv4-sp-d16 -Ihal/common hal/common/arm_double_add.c -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub" board=mps2-an386 ;;
 m7) cpu="-mcpu=cortex-m7 -mfloat-abi=hard -mfpu=fpv5-d16" board=mps2-an500 ;;
 *) echo "target.sh: m4f or m7" >&2; exit 2 ;;
 esac
