@@ -190,7 +190,8 @@ COUNTED(COST_INTEGERS, pel_status_t, pel_ils_init,
         (pel_ils_t * s, int n, const double *a, const double *Q, int n_best, int32_t budget),
         (s, n, a, Q, n_best, budget))
 COUNTED(COST_INTEGERS, pel_status_t, pel_amb_resolve_step,
-        (pel_amb_resolver_t * r, pel_amb_problem_t *p, pel_ils_t *s, int32_t max_nodes, int64_t *N, pel_int_verdict_t *v),
+        (pel_amb_resolver_t * r, pel_amb_problem_t *p, pel_ils_t *s, int32_t max_nodes, int64_t *N,
+         pel_int_verdict_t *v),
         (r, p, s, max_nodes, N, v))
 
 COUNTED(COST_ORBITS, pel_status_t, pel_spp_solve,

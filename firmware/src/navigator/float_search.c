@@ -4,21 +4,21 @@
 
 #include "pelorus/math.h"
 
-#define RESOLVE_EPOCHS      2    /* of the youngest ambiguity that may be resolved */
-#define RESOLVE_AFTER_S     0.9  /* and its age */
-#define TRIES_BESIDE_HELD   6    /* searches an epoch: each leaves out one ambiguity more */
-#define FEWEST_ALONE        5    /* ambiguities that may be resolved together */
-#define TRIES_ALONE         2
-#define AGREE_ALONE         3
-#define AGREE_BESIDE_HELD   2
-#define FIT_ALONE           0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
-#define FIT_BESIDE_HELD     0.999
-#define MISFIT_FLOATS       5
-#define FAILURE_FACTOR      5.0 /* epochs that agree may each promise this much less */
-#define RESOLVE_RATIO       3.0
-#define RESOLVE_SUCCESS     0.99
-#define INTEGER_SD_CYC      1e-3 /* conditioning on an integer */
-#define FAR_APART_S         10.0 /* epochs with errors of their own */
+#define RESOLVE_EPOCHS    2   /* of the youngest ambiguity that may be resolved */
+#define RESOLVE_AFTER_S   0.9 /* and its age */
+#define TRIES_BESIDE_HELD 6   /* searches an epoch: each leaves out one ambiguity more */
+#define FEWEST_ALONE      5   /* ambiguities that may be resolved together */
+#define TRIES_ALONE       2
+#define AGREE_ALONE       3
+#define AGREE_BESIDE_HELD 2
+#define FIT_ALONE         0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
+#define FIT_BESIDE_HELD   0.999
+#define MISFIT_FLOATS     5
+#define FAILURE_FACTOR    5.0 /* epochs that agree may each promise this much less */
+#define RESOLVE_RATIO     3.0
+#define RESOLVE_SUCCESS   0.99
+#define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
+#define FAR_APART_S       10.0 /* epochs with errors of their own */
 
 static bool is_settled(pel_navigator_t *nav, const pel_tracked_t *t)
 {

@@ -10,7 +10,7 @@
 #include "pelorus/math.h"
 
 #define FLOAT_SD_M          30.0 /* of a new ambiguity, as range */
-#define MOST_CONTRADICTIONS 3   /* epochs in a row whose own integers are others than those held: then they are right */
+#define MOST_CONTRADICTIONS 3 /* epochs in a row whose own integers are others than those held: then they are right */
 #define WANDER_EVERY_S      0.9
 
 static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
