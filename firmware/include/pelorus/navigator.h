@@ -147,9 +147,10 @@ typedef struct {
 
 typedef struct {
     int n;
-    uint8_t misfits;        /* epochs in a row whose held phases did not fit */
-    uint8_t contradictions; /* epochs in a row whose own integers were others than those held */
-    uint8_t misfit_floats;  /* searches in a row that no integers fitted */
+    uint8_t misfits;            /* epochs in a row whose held phases did not fit */
+    uint8_t contradictions;     /* epochs whose own integers were others than those held, none in between that agreed */
+    pel_time_t contradicted_ns; /* the first of them */
+    uint8_t misfit_floats;      /* searches in a row that no integers fitted */
     pel_time_t wandered_ns;
     pel_tracked_t entry[PEL_MAX_TRACKED];
     pel_channels_t channels[PEL_GLO_CARRIERS];

@@ -14,7 +14,7 @@
 #define FIT_ALONE         0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
 #define FIT_BESIDE_HELD   0.999
 #define MISFIT_FLOATS     5
-#define FAILURE_FACTOR    5.0 /* epochs that agree may each promise this much less */
+#define FAILURE_FACTOR    5.0 /* epochs far apart that agree may each promise this much less */
 #define RESOLVE_RATIO     3.0
 #define RESOLVE_SUCCESS   0.99
 #define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
@@ -50,14 +50,15 @@ static bool load(pel_navigator_t *nav, const pel_nav_chosen_t *c)
 }
 
 /* Verdict on the search that has ended. */
-static void judge(const pel_navigator_t *nav, const pel_nav_chosen_t *c, bool proved, double sq,
+static void judge(const pel_navigator_t *nav, const pel_nav_chosen_t *c, bool proved, double sq, double agreed_s,
                   pel_nav_integers_t *out)
 {
     out->n = c->n;
     out->nodes += nav->ils.nodes;
     out->ratio = pel_ils_ratio(&nav->ils);
     out->success = pel_ils_success(&nav->ils);
-    const double failure_max = FAILURE_FACTOR * (double)nav->cfg.failure_max;
+    const double factor = (agreed_s >= FAR_APART_S) ? FAILURE_FACTOR : 1.0;
+    const double failure_max = factor * (double)nav->cfg.failure_max;
     const double fit_p = c->beside_held ? FIT_BESIDE_HELD : FIT_ALONE;
     const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, failure_max);
     out->reason = !proved                                  ? PEL_INT_BUDGET
@@ -124,16 +125,29 @@ static void note_candidates(pel_navigator_t *nav, const pel_nav_chosen_t *c, con
     }
 }
 
-/* Epochs that agree are worth more than one that is sure of itself. Far apart, with errors of their own, two are enough. */
-static bool agree(const pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB], int often)
+/* For how long all of them have had these numbers, and in how many epochs. */
+static double agreed_for_s(const pel_navigator_t *nav, const pel_nav_chosen_t *c, const int64_t N[PEL_MAX_AMB],
+                           int *epochs)
 {
+    double least_s = 1e9;
+    *epochs = UINT8_MAX;
     for (int r = 0; r < c->n; r++) {
         const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        const double span_s = pel_time_diff_s(nav->at_horizon.t_ns, t->agreed_since_ns);
-        const int enough = (span_s >= FAR_APART_S) ? 2 : often;
-        if (t->candidate != (double)N[r] || t->agreed < enough) { return false; }
+        if (t->candidate != (double)N[r]) {
+            *epochs = 0;
+            return 0.0;
+        }
+        least_s = pel_min(least_s, pel_time_diff_s(nav->at_horizon.t_ns, t->agreed_since_ns));
+        if (t->agreed < *epochs) { *epochs = t->agreed; }
     }
-    return true;
+    return least_s;
+}
+
+/* Epochs that agree are worth more than one that is sure of itself. Far apart, with errors of their own, two are enough. */
+static bool agree(const pel_nav_chosen_t *c, double agreed_s, int epochs)
+{
+    const int often = c->beside_held ? AGREE_BESIDE_HELD : AGREE_ALONE;
+    return epochs >= ((agreed_s >= FAR_APART_S) ? 2 : often);
 }
 
 /* Float ambiguities that fit no integers for long hold a slip that nobody saw: they begin anew. */
@@ -164,13 +178,14 @@ static bool end_of_one(pel_navigator_t *nav, pel_nav_chosen_t *c, bool proved, p
     int64_t N[PEL_MAX_AMB];
     double sq = 0.0;
     if (pel_ils_get(&nav->ils, 0, N, &sq) != PEL_OK) { return true; }
-    judge(nav, c, proved, sq, out);
-    if (c->tries == (c->beside_held ? TRIES_BESIDE_HELD : TRIES_ALONE)) {
-        note_candidates(nav, c, N);
-        if (!c->beside_held) { watch_floats(nav, out); }
-    }
+    const bool first = c->tries == (c->beside_held ? TRIES_BESIDE_HELD : TRIES_ALONE);
+    if (first) { note_candidates(nav, c, N); }
+    int epochs;
+    const double agreed_s = agreed_for_s(nav, c, N, &epochs);
+    judge(nav, c, proved, sq, agreed_s, out);
+    if (first && !c->beside_held) { watch_floats(nav, out); }
     if (out->reason == PEL_INT_OK) {
-        if (agree(nav, c, N, c->beside_held ? AGREE_BESIDE_HELD : AGREE_ALONE)) { condition(nav, c, N, out); }
+        if (agree(c, agreed_s, epochs)) { condition(nav, c, N, out); }
         return true;
     }
     leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, c);

@@ -11,6 +11,7 @@
 
 #define FLOAT_SD_M          30.0 /* of a new ambiguity, as range */
 #define MOST_CONTRADICTIONS 3 /* epochs in a row whose own integers are others than those held: then they are right */
+#define FAR_APART_S         10.0 /* epochs with errors of their own: two are enough */
 #define WANDER_EVERY_S      0.9
 
 static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
@@ -213,8 +214,11 @@ static bool contradicts(pel_navigator_t *nav, const pel_nav_integers_t *ints)
 bool pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
 {
     const bool other = contradicts(nav, ints);
+    if (other && nav->track.contradictions == 0) { nav->track.contradicted_ns = nav->at_horizon.t_ns; }
     nav->track.contradictions = (uint8_t)(other ? nav->track.contradictions + 1 : 0);
-    if (other && nav->track.contradictions < MOST_CONTRADICTIONS) { return false; }
+    const double span_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->track.contradicted_ns);
+    const int enough = (span_s >= FAR_APART_S) ? 2 : MOST_CONTRADICTIONS;
+    if (other && nav->track.contradictions < enough) { return false; }
     nav->track.contradictions = 0;
     if (other) { pel_nav_track_clear(nav); }
     make_room(nav);
