@@ -28,6 +28,20 @@ static double allow_for_correlation(pel_navigator_t *nav, double tau_s, double g
     return factor;
 }
 
+/* The search knows the ionosphere of each satellite; rows take it as noise. */
+static void allow_for_ionosphere(pel_navigator_t *nav)
+{
+    const double sd_L1_m = pel_nav_iono_sd_m(nav);
+    const double per_lambda = PEL_L1_HZ / PEL_SPEED_OF_LIGHT;
+    for (int i = 0; i < nav->sd.n; i++) {
+        pel_sd_t *sd = &nav->sd.sd[i];
+        const double k = sd->lambda_m * per_lambda;
+        const double var = sd_L1_m * sd_L1_m * k * k * k * k;
+        sd->var_phase += var;
+        sd->var_code += var;
+    }
+}
+
 static void add_noise(pel_navigator_t *nav, int first, double var)
 {
     for (int k = 0; k < 3; k++) {
@@ -189,8 +203,9 @@ static void watch_health(pel_navigator_t *nav, update_t *u)
     if (broken) { nav->counters.numeric_faults++; }
     const bool phases_misfit = u->held_refused > u->held_used;
     nav->track.misfits = (uint8_t)(phases_misfit ? nav->track.misfits + 1 : 0);
+    const bool lost = nav->relative && pel_nav_noise_level_phase_is_lost(nav);
     const bool codes_contradict = u->held_used >= 3 && pel_nav_hold_watch_contradicts(nav);
-    if (nav->track.misfits >= MAX_MISFITS || codes_contradict) { release(nav); }
+    if (nav->track.misfits >= MAX_MISFITS || codes_contradict || (lost && u->held_used >= 3)) { release(nav); }
     const bool contradicted = pel_nav_ins_is_contradicted(nav);
     if (!broken && nav->doubts < MAX_DOUBTS && !contradicted) { return; }
     nav->restless = 0;
@@ -256,6 +271,7 @@ static void use_rows(pel_navigator_t *nav)
         u->ant.n_states = nav->model.n;
         inflated_by =
             allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
+        allow_for_ionosphere(nav);
     }
     pel_nav_noise_level_begin(nav, inflated_by);
     pel_nav_hold_watch_age(nav, gap_s);

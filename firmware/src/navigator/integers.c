@@ -19,6 +19,11 @@ static double baseline_km(const pel_navigator_t *nav)
     return pel_norm3(d) * 1e-3;
 }
 
+double pel_nav_iono_sd_m(const pel_navigator_t *nav)
+{
+    return nav->cfg.noise.iono_mm_per_km * 1e-3 * baseline_km(nav);
+}
+
 static int satellite_index(const pel_navigator_t *nav, const pel_sd_t *sd)
 {
     const pel_sight_t *s = pel_view_find(&nav->view_rover, sd->sys, sd->prn);
@@ -55,7 +60,7 @@ static double channel_sd_m(const pel_navigator_t *nav, const pel_sd_t *sd, const
 static void add_group(const pel_navigator_t *nav, const pel_sd_t *pivot, pel_amb_problem_t *p)
 {
     pel_amb_group_t *g = &p->group[p->n_groups++];
-    const double k = pivot->lambda_m / (PEL_SPEED_OF_LIGHT / 1575.42e6);
+    const double k = pivot->lambda_m * PEL_L1_HZ / PEL_SPEED_OF_LIGHT;
     g->sat = (uint8_t)satellite_index(nav, pivot);
     g->mu = k * k;
     g->var_phase = pivot->var_phase;
@@ -131,7 +136,7 @@ bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav
     out->n = p->n_rows;
     out->reason = PEL_INT_FEW;
     if (p->n_rows < 4) { return false; }
-    const double sd_iono_m = nav->cfg.noise.iono_mm_per_km * 1e-3 * baseline_km(nav);
+    const double sd_iono_m = pel_nav_iono_sd_m(nav);
     p->var_iono = sd_iono_m * sd_iono_m;
     p->have_prior = true;
     memcpy(p->P_r, P_a, sizeof p->P_r);

@@ -81,6 +81,10 @@ void pel_nav_begin_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
  * stands at the epoch meanwhile. */
 void pel_nav_go_on(pel_navigator_t *nav, int32_t max_nodes);
 
+/* Ionosphere of a single difference on L1, 1 sigma, by the baseline's length. */
+#define PEL_L1_HZ 1575.42e6
+double pel_nav_iono_sd_m(const pel_navigator_t *nav);
+
 /* Begin to resolve the integers of nav->sd with the horizon's position as prior. P_a: covariance of the antenna position, m^2. False: too
  * few, out says so. A step returns true when out is there. */
 bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
@@ -103,6 +107,9 @@ void pel_nav_noise_level_init(pel_navigator_t *nav);
 
 /* Multiply the variances of nav->sd by what was learnt. */
 void pel_nav_noise_level_apply(pel_navigator_t *nav);
+
+/* Has a phase of nav->sd reached the limit? It then begins anew at one. */
+bool pel_nav_noise_level_phase_is_lost(pel_navigator_t *nav);
 
 /* Before the rows of an epoch whose code variances were inflated for their correlation. */
 void pel_nav_noise_level_begin(pel_navigator_t *nav, double code_inflated_by);

@@ -10,7 +10,10 @@
 #define PRIOR_ROWS    4.0f
 #define MEMORY_ROWS   150.0f /* and no longer: surroundings change */
 
-/* Limits of the factor of a variance. What wrong integers leave over must not make them look right. */
+#define LOST 0.95f
+
+/* Limits of the factor of a variance. What wrong integers leave over must not make them look right: at its limit a phase's level says
+ * that its integers are wrong. */
 static const float LEAST[PEL_NAV_LEVELS] = {0.1f, 0.5f};
 static const float MOST[PEL_NAV_LEVELS] = {10.0f, 4.0f};
 
@@ -23,6 +26,18 @@ void pel_nav_noise_level_init(pel_navigator_t *nav)
             }
         }
     }
+}
+
+bool pel_nav_noise_level_phase_is_lost(pel_navigator_t *nav)
+{
+    bool lost = false;
+    for (int i = 0; i < nav->sd.n; i++) {
+        pel_noise_factor_t *f = &nav->noise_level.of[PEL_NAV_LEVEL_PHASE][nav->sd.sd[i].sys][nav->sd.sd[i].carrier];
+        if (f->factor < LOST * MOST[PEL_NAV_LEVEL_PHASE]) { continue; }
+        *f = (pel_noise_factor_t){.factor = 1.0f, .rows = PRIOR_ROWS};
+        lost = true;
+    }
+    return lost;
 }
 
 void pel_nav_noise_level_apply(pel_navigator_t *nav)
