@@ -35,12 +35,12 @@ static inline int32_t nearest_integer(double x)
     return (int32_t)((x < 0.0) ? x - 0.5 : x + 0.5);
 }
 
-/* Nearest integer as a number, for |x| < INTEGER_MAX: adding this pushes out the digits behind the point. */
+/* Nearest integer as a number, for |x| < NEAREST_MAX: adding this pushes out the digits behind the point. */
 #if PEL_REAL_DOUBLE
-#define INTEGER_MAX 1073741824.0       /* 2^30 */
+#define NEAREST_MAX 1073741824.0       /* 2^30 */
 #define TO_INTEGER  6755399441055744.0 /* 1.5 2^52 */
 #else
-#define INTEGER_MAX 4194304.0f  /* 2^22 */
+#define NEAREST_MAX 4194304.0f  /* 2^22 */
 #define TO_INTEGER  12582912.0f /* 1.5 2^23 */
 #endif
 static inline pel_real nearest(pel_real x)

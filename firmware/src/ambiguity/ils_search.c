@@ -38,7 +38,7 @@ static pel_real dot(const pel_real *a, const pel_real *b, int n)
 static inline bool enter_level(pel_ils_t *s, int p)
 {
     const pel_real mean = s->zhat[p] - dot(real_row_const(s->LD, p), s->w, p);
-    if (!(absolute(mean) < INTEGER_MAX)) { return false; }
+    if (!(absolute(mean) < NEAREST_MAX)) { return false; }
     const pel_real integer = nearest(mean);
     s->level = (int16_t)p;
     s->mean[p] = mean;
