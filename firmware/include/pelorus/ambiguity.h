@@ -39,17 +39,16 @@ typedef enum {
 /* FASF defers a problem with more vectors than this in its box. */
 #define PEL_ILS_FASF_VECTORS 1024
 
-/* One step of the decorrelation: ambiguity k less m 2^(8 shift) times ambiguity j; or, with j = k, ambiguity k less m
- * times k-1 and these two exchanged. */
+/* A number of the factor, (hi 2^30 + lo) 2^-59 of a unit: a product costs three 32 x 32 -> 64 bit multiply-adds. */
 typedef struct {
-    uint8_t k : 6;
-    uint8_t shift : 2;
-    uint8_t j;
-    int16_t m;
-} pel_ils_step_t;
+    int32_t hi, lo;
+} pel_ils_fixed_t;
 
-/* Steps there is room for, reductions and exchanges together. */
-#define PEL_ILS_STEPS (PEL_MAX_AMB * PEL_MAX_AMB)
+/* Room for the notes of the decorrelation: 2 bytes a step with a multiplier below 8, else 4. */
+#define PEL_ILS_NOTES (34 * PEL_MAX_AMB)
+
+/* Candidates held at a time: those asked for and some that rounding does not tell from them. */
+#define PEL_ILS_HELD (PEL_ILS_BEST + 2)
 
 /* One integer least-squares problem: min over integer vectors N of (a - N)' Q^-1 (a - N).
  * Callers may read the first group and write nothing. At most 16 KB at PEL_MAX_AMB = 40. */
@@ -66,28 +65,51 @@ typedef struct {
 
     /* private */
     int32_t budget;
+    int32_t patience; /* nodes after which it is decorrelated to the end */
     int16_t level;
-    int16_t n_steps;
-    int16_t n_vectors;               /* met by FASF */
-    uint8_t method;                  /* pel_ils_method_t */
-    uint8_t order[PEL_MAX_AMB];      /* the ambiguity that pivoting put at each place */
-    double LD[PEL_TRI(PEL_MAX_AMB)]; /* covariance, then Q_z = L D L': unit L with D on its diagonal */
-    union {
-        pel_ils_step_t step_made[PEL_ILS_STEPS]; /* undone in reverse, they turn z into N - N0 */
-        double scratch[PEL_MAX_AMB * PEL_MAX_AMB / 2];
-    };
-    int64_t origin[PEL_MAX_AMB];  /* N0: the integer part removed first */
-    double zhat[PEL_MAX_AMB];     /* decorrelated float ambiguities */
-    double mean[PEL_MAX_AMB];     /* conditional means down to `level` */
-    double w[PEL_MAX_AMB];        /* mean - z */
-    double inv_D[PEL_MAX_AMB];    /* 1 / D */
-    double cost[PEL_MAX_AMB + 1]; /* partial squared norms of the levels before */
+    int16_t n_notes;
+    int16_t n_vectors; /* met by FASF */
+    int16_t unit;      /* L, D and squared norms of the search are in units of 2^unit cycles */
+    uint8_t method;    /* pel_ils_method_t */
+    uint8_t n_held;
+    int16_t exact_unit;
+    pel_real exact_scale;         /* from held_sq to norms of the search; 0: exact_unit is not yet chosen */
+    pel_real bound, slack, grain; /* of the search: docs/INTEGERS.md */
+    pel_real one;                 /* a squared norm of 1 as the search has it (FASF) */
+    pel_real w[PEL_MAX_AMB];      /* mean - z */
+    pel_real mean[PEL_MAX_AMB];   /* conditional means down to `level` */
+    pel_real cost[PEL_MAX_AMB];   /* partial squared norms of the levels before */
+    pel_real inv_D[PEL_MAX_AMB];  /* 1 / D */
+    pel_real zhat[PEL_MAX_AMB];   /* a_z beside its nearest integer */
     int32_t z[PEL_MAX_AMB], step[PEL_MAX_AMB];
-    int32_t best_z[PEL_ILS_BEST][PEL_MAX_AMB];
-    double best_sq[PEL_ILS_BEST]; /* ascending */
+    uint8_t order[PEL_MAX_AMB];    /* the ambiguity that pivoting put at each place */
+    uint8_t shift[PEL_MAX_AMB];    /* 1 / G_ii = -minus_inverse 2^shift */
+    int16_t row_unit[PEL_MAX_AMB]; /* row i of G is in units of 2^row_unit cycles */
+    union {
+        double Q[PEL_TRI(PEL_MAX_AMB)];          /* the covariance as the caller writes it */
+        pel_ils_fixed_t G[PEL_TRI(PEL_MAX_AMB)]; /* Q = G G', pivoted */
+    };
+    union {
+        double a[PEL_MAX_AMB];     /* the float ambiguities as the caller writes them */
+        int64_t frac[PEL_MAX_AMB]; /* what they are beside an integer, 2^-51 cycle, pivoted */
+    };
+    union {
+        struct {
+            int64_t origin[PEL_MAX_AMB]; /* N0: the integer part removed first */
+            int64_t a_z[PEL_MAX_AMB];    /* decorrelated float ambiguities, 2^-36 cycle */
+            pel_ils_fixed_t minus_inverse[PEL_MAX_AMB];
+            pel_real LD[PEL_TRI(PEL_MAX_AMB)];       /* Q_z = L D L': unit L with D on its diagonal */
+            int32_t held[PEL_ILS_HELD][PEL_MAX_AMB]; /* z; N - N0 once the exact norm is known */
+            pel_real held_near[PEL_ILS_HELD];        /* squared norm by the search; ascending until the search ends */
+            int64_t held_sq[PEL_ILS_HELD]; /* exact, 2^-59 of 4^exact_unit, < 0: not yet; ascending in the end */
+            uint16_t note[PEL_ILS_NOTES];  /* steps of the decorrelation; undone in reverse they turn z into N - N0 */
+        };
+        double scratch[PEL_TRI(PEL_MAX_AMB)];
+    };
 } pel_ils_t;
 
-_Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384, "search state at most 16 KB at n = 40");
+_Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384 || sizeof(pel_real) > 4,
+               "search state at most 16 KB at n = 40");
 
 /* Take in a problem: integer part removed, Q = L D L' with symmetric pivoting, integer decorrelation that reduces
  * what its exchanges need.
@@ -114,11 +136,11 @@ pel_status_t pel_ils_init_as(pel_ils_t *s, pel_ils_method_t method, int n, const
 /* Room in the engine where a caller short of stack may write Q and a before it gives them to pel_ils_init(). */
 static inline double *pel_ils_room_for_Q(pel_ils_t *s)
 {
-    return s->LD;
+    return s->Q;
 }
 static inline double *pel_ils_room_for_a(pel_ils_t *s)
 {
-    return s->zhat;
+    return s->a;
 }
 
 /* Cap on exchanges of the decorrelation. */

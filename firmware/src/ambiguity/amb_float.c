@@ -12,8 +12,8 @@
 #define STATES_MAX    (3 + PEL_AMB_IONO_SATS)
 #define NO_STATE      0xFF
 
-_Static_assert(PEL_TRI(STATES_MAX) + STATES_MAX <= PEL_MAX_AMB * PEL_MAX_AMB / 2 || PEL_MAX_AMB < 37,
-               "x and P share the memory of the transform");
+_Static_assert(PEL_TRI(STATES_MAX) + STATES_MAX <= PEL_TRI(PEL_MAX_AMB) || PEL_MAX_AMB < 37,
+               "x and P share the memory of the search");
 
 /* x and P of the epoch inside the engine's scratch, and where a satellite's ionosphere is among them. */
 typedef struct {
@@ -196,9 +196,9 @@ static void form_ambiguities(const pel_amb_problem_t *p, const epoch_t *e, pel_i
         covariance_times(e, h, Ph);
         double rest = ri->phase_m;
         for (int k = 0; k < hi.n; k++) { rest -= hi.h[k] * e->x[hi.index[k]]; }
-        s->zhat[ni] = rest / ri->lambda_m;
+        s->a[ni] = rest / ri->lambda_m;
 
-        double *row = tri_row(s->LD, ni);
+        double *row = tri_row(s->Q, ni);
         int nj = 0;
         for (int j = 0; j <= i; j++) {
             const pel_amb_row_t *rj = &p->row[j];
@@ -232,7 +232,7 @@ pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best,
     int n_code = 0;
     const double sq = use_codes(p, &e, &n_code);
     form_ambiguities(p, &e, s);
-    status = pel_ils_start(s, PEL_ILS_LAMBDA, pel_amb_count(p), n_best, budget);
+    status = pel_ils_start(s, PEL_ILS_LAMBDA, pel_amb_count(p), s->a, s->Q, n_best, budget);
     if (status != PEL_OK) { return status; }
     s->float_sq = sq;
     s->float_dof = p->have_prior ? n_code : n_code - 3;

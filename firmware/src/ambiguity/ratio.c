@@ -26,7 +26,7 @@ static double wrong_with(const pel_ils_t *s, double ratio, double u)
     const double kappa = 0.5 * m * m * (1.0 - 1.0 / u) * (1.0 - u / ratio);
     double sum = 0.0; /* over all vectors but 0: product of (1 + t), less one */
     for (int p = 0; p < s->n; p++) {
-        const double t = theta_less_one(kappa * s->inv_D[p]);
+        const double t = theta_less_one(kappa / pel_ils_variance(s, p));
         sum += t + sum * t;
     }
     return sum * pel_exp(-0.5 * s->n * pel_log(u));

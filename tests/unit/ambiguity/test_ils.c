@@ -1,3 +1,4 @@
+/* build: f32 f64 */
 /* test_ils.c - the search engine against published problems, RTKLIB's search, and exhaustive enumeration. */
 #include <dlfcn.h>
 #include <math.h>
@@ -346,40 +347,105 @@ static void the_lower_bound_is_the_norm_of_the_best_vector_not_visited(void)
     TEST_ASSERT_EQUAL(PEL_W_RUNNING, pel_ils_run(&ils, 2));
     TEST_ASSERT_EQUAL(PEL_W_BUDGET, pel_ils_run(&ils, 1));
     TEST_ASSERT_EQUAL_INT(1, ils.n_found);
-    TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.65, pel_ils_lower_bound(&ils)); /* (0, 1) is next */
+    const double low = pel_ils_lower_bound(&ils); /* (0, 1) is next; what rounding might hide is taken off */
+    TEST_ASSERT_TRUE(low <= 0.65 && low > 0.65 * (sizeof(pel_real) == 4 ? 0.996 : 0.9999998));
     TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, pel_ils_ratio(&ils));
 }
 
-static void bad_input_gets_a_status(void)
+/* Refused with this status; the engine is empty and hands out nothing. */
+static void expect_refused(pel_status_t status, int n, const double *a, const double *Q, int n_best, int32_t budget)
 {
-    double a[2] = {0.1, 0.2};
-    double Q[3] = {1.0, 0.5, 1.0};
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 0, a, Q, 2, 100));
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, PEL_MAX_AMB + 1, a, Q, 2, 100));
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 2, a, Q, 0, 100));
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 2, a, Q, PEL_ILS_BEST + 1, 100));
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 2, a, Q, 2, 0));
-    a[1] = NAN;
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 2, a, Q, 2, 100));
-    a[1] = 1e16;
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 2, a, Q, 2, 100));
-    a[1] = 0.2;
-    Q[2] = NAN;
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 2, a, Q, 2, 100));
-    Q[2] = INFINITY;
-    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ils_init(&ils, 2, a, Q, 2, 100));
-    Q[2] = 0.25; /* singular */
-    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ils_init(&ils, 2, a, Q, 2, 100));
-    Q[2] = 0.1; /* indefinite */
-    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ils_init(&ils, 2, a, Q, 2, 100));
-    Q[2] = 0.0;
-    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ils_init(&ils, 2, a, Q, 2, 100));
     int64_t N[2] = {-5, -6};
     double sq = -7.0;
+    TEST_ASSERT_EQUAL(status, pel_ils_init(&ils, n, a, Q, n_best, budget));
+    TEST_ASSERT_EQUAL_INT(0, ils.n);
     TEST_ASSERT_EQUAL(PEL_E_MISSING, pel_ils_run(&ils, 10));
     TEST_ASSERT_EQUAL(PEL_E_MISSING, pel_ils_get(&ils, 0, N, &sq));
     TEST_ASSERT_EQUAL_INT64(-5, N[0]);
     TEST_ASSERT_DOUBLE_WITHIN(0.0, -7.0, sq);
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, pel_ils_ratio(&ils));
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, pel_ils_success(&ils));
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, pel_ils_adop(&ils));
+    TEST_ASSERT_DOUBLE_WITHIN(0.0, 0.0, pel_ils_lower_bound(&ils));
+}
+
+static void bad_input_gets_a_status(void)
+{
+    const double a[2] = {0.1, 0.2};
+    const double Q[3] = {1.0, 0.5, 1.0};
+    expect_refused(PEL_E_RANGE, 0, a, Q, 2, 100);
+    expect_refused(PEL_E_RANGE, -1, a, Q, 2, 100);
+    expect_refused(PEL_E_RANGE, PEL_MAX_AMB + 1, a, Q, 2, 100);
+    expect_refused(PEL_E_RANGE, 2, a, Q, 0, 100);
+    expect_refused(PEL_E_RANGE, 2, a, Q, PEL_ILS_BEST + 1, 100);
+    expect_refused(PEL_E_RANGE, 2, a, Q, 2, 0);
+    static const double no_ambiguity[] = {NAN, -NAN, INFINITY, -INFINITY, 1e16, -1e300};
+    for (int i = 0; i < 6; i++) {
+        const double bad[2] = {0.1, no_ambiguity[i]};
+        expect_refused(PEL_E_RANGE, 2, bad, Q, 2, 100);
+    }
+    static const struct {
+        double q, r; /* off and on the diagonal */
+        pel_status_t status;
+    } matrix[] = {
+        {0.5, NAN, PEL_E_RANGE},        {0.5, INFINITY, PEL_E_RANGE},    {0.5, 1e300, PEL_E_RANGE},
+        {0.5, -1e300, PEL_E_RANGE},     {NAN, 1.0, PEL_E_RANGE},         {INFINITY, 1.0, PEL_E_RANGE},
+        {-INFINITY, 1.0, PEL_E_RANGE},  {0.5, 0.25, PEL_E_NOT_POSDEF},   {0.5, 0.1, PEL_E_NOT_POSDEF},
+        {0.5, 0.0, PEL_E_NOT_POSDEF},   {0.0, -0.0, PEL_E_NOT_POSDEF},   {0.5, -1.0, PEL_E_NOT_POSDEF},
+        {1.0, 1.0, PEL_E_NOT_POSDEF},   {-1.0, 1.0, PEL_E_NOT_POSDEF},   {1.5, 1.0, PEL_E_NOT_POSDEF},
+        {1e300, 1.0, PEL_E_NOT_POSDEF}, {0.0, 1e-310, PEL_E_NOT_POSDEF}, {0.0, 1e-20, PEL_E_RANGE},
+        {0.0, 2.3e-308, PEL_E_RANGE},
+    };
+    for (size_t i = 0; i < sizeof matrix / sizeof matrix[0]; i++) {
+        const double bad[3] = {1.0, matrix[i].q, matrix[i].r};
+        expect_refused(matrix[i].status, 2, a, bad, 2, 100);
+    }
+}
+
+static void any_bits_at_all_give_an_answer_or_a_status(void)
+{
+    /* Words of random bits, and matrices that are nearly something sensible: whatever comes, no undefined behaviour (the sanitizers watch),
+     * and what is called proved is no worse than rounding the answer's neighbours. */
+    rng_t r = {99};
+    int accepted = 0;
+    for (int t = 0; t < 20000; t++) {
+        const int n = rng_int(&r, 1, 8);
+        double a[8];
+        double Q[PEL_TRI(8)];
+        for (int i = 0; i < n; i++) {
+            a[i] = rng_gauss(&r) * pow(10.0, rng_int(&r, -20, 16));
+            for (int j = 0; j <= i; j++) {
+                Q[i * (i + 1) / 2 + j] = (i == j) ? pow(10.0, rng_int(&r, -18, 13)) : 0.0;
+                if (i != j && t % 2 == 0) {
+                    Q[i * (i + 1) / 2 + j] = rng_gauss(&r) * 0.3 * sqrt(Q[j * (j + 1) / 2 + j]);
+                }
+            }
+        }
+        if (t % 3 == 0) {
+            const uint64_t bits = (uint64_t)(rng_uniform(&r) * 0x1p53) << 11 ^ (uint64_t)(rng_uniform(&r) * 0x1p53);
+            memcpy((t % 2 == 0) ? &a[rng_int(&r, 0, n - 1)] : &Q[rng_int(&r, 0, PEL_TRI(n) - 1)], &bits, sizeof bits);
+        }
+        const pel_status_t status = pel_ils_init(&ils, n, a, Q, 2, 20000);
+        if (status != PEL_OK) {
+            TEST_ASSERT_TRUE(status == PEL_E_RANGE || status == PEL_E_NOT_POSDEF);
+            continue;
+        }
+        const pel_status_t searched = pel_ils_run(&ils, INT32_MAX);
+        TEST_ASSERT_TRUE(searched == PEL_OK || searched == PEL_W_BUDGET || searched == PEL_E_RANGE);
+        if (searched != PEL_OK) { continue; }
+        accepted++;
+        double sq[2];
+        for (int k = 0; k < 2; k++) {
+            int64_t N[8];
+            TEST_ASSERT_EQUAL(PEL_OK, pel_ils_get(&ils, k, N, &sq[k]));
+            TEST_ASSERT_TRUE(isfinite(sq[k]) && sq[k] >= 0.0);
+        }
+        TEST_ASSERT_TRUE(sq[0] <= sq[1]);
+        TEST_ASSERT_TRUE(isfinite(pel_ils_success(&ils)) && isfinite(pel_ils_adop(&ils)) &&
+                         isfinite(pel_ils_lower_bound(&ils)));
+    }
+    printf("  20000 problems of any size: %d proved, the others refused or left unproved\n", accepted);
+    TEST_ASSERT_GREATER_THAN(1000, accepted);
 }
 
 static void strength_is_what_the_variances_say(void)
@@ -388,7 +454,8 @@ static void strength_is_what_the_variances_say(void)
     const double a[2] = {12.1, -7.9};
     const double Q[3] = {0.01, 0.0, 0.09};
     TEST_ASSERT_EQUAL(PEL_OK, pel_ils_init(&ils, 2, a, Q, 2, 100));
-    TEST_ASSERT_DOUBLE_WITHIN(1e-9, erf(5.0 / sqrt(2.0)) * erf(5.0 / 3.0 / sqrt(2.0)), pel_ils_success(&ils));
+    const double tolerance = (sizeof(pel_real) == 4) ? 1e-7 : 1e-9;
+    TEST_ASSERT_DOUBLE_WITHIN(tolerance, erf(5.0 / sqrt(2.0)) * erf(5.0 / 3.0 / sqrt(2.0)), pel_ils_success(&ils));
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, sqrt(0.03), pel_ils_adop(&ils));
 }
 
@@ -402,6 +469,7 @@ int main(void)
     RUN_TEST(a_spent_budget_tells_best_so_far_and_what_cannot_be_beaten);
     RUN_TEST(the_lower_bound_is_the_norm_of_the_best_vector_not_visited);
     RUN_TEST(bad_input_gets_a_status);
+    RUN_TEST(any_bits_at_all_give_an_answer_or_a_status);
     RUN_TEST(strength_is_what_the_variances_say);
     return UNITY_END();
 }

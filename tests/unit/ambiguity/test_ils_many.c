@@ -1,3 +1,4 @@
+/* build: f32 f64 */
 /* test_ils_many.c - the engine against an unlimited search in long double on many realistic problems, and what a budget costs.
  *
  * 1 000 problems; PELORUS_LONG=1, or a number as argument, makes it 10 000 or that number. */

@@ -1,3 +1,4 @@
+/* build: f32 f64 */
 /* test_methods.c - the published methods give the same best and second best vector wherever they finish.
  *
  * 2 500 problems; PELORUS_LONG=1 makes it the 10 000 of S1 8.7. */
