@@ -59,7 +59,7 @@ void pel_imu_correct(const pel_imu_t *imu, const double b_g[3], const double b_a
 typedef struct {
     pel_imu_t imu[PEL_IMU_RING];
     uint32_t check[PEL_IMU_RING]; /* of each: it waits for half a second, in which memory may change by itself */
-    uint16_t head; /* where the next one goes */
+    uint16_t head;                /* where the next one goes */
     uint16_t n;
 } pel_imu_ring_t;
 

@@ -254,9 +254,9 @@ typedef struct {
 } pel_timing_t;
 
 typedef struct pel_navigator_t {
-    pel_nav_config_t cfg; /* as given; never written after init */
+    pel_nav_config_t cfg;                           /* as given; never written after init */
     uint32_t cfg_check, state_check, station_check; /* navigator/sound.c */
-    bool attitude_given; /* the configured attitude has not been used up */
+    bool attitude_given;                            /* the configured attitude has not been used up */
     pel_orbits_t orbits;
     bool have_station;
     pel_station_t station;
