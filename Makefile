@@ -39,6 +39,9 @@ replay: all ## replay real recordings, one table
 faults: all ## every fault on every line in every phase against its table; writes docs/FAULTS.md
 	@cmake/bootstrap.sh test && $(PYTHON) tests/scenario/fault_campaign.py --docs docs/FAULTS.md $(ARGS)
 
+survival: all ## 20 000 bit flips over the whole static state, 5 000 more under sanitizers; writes the table in docs/SURVIVAL.md
+	@JOBS=$(JOBS) bash cmake/survival.sh $(ARGS)
+
 format: ## clang-format every C and C++ file
 	@git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp' | xargs clang-format -i
 
@@ -51,4 +54,4 @@ clean: ## remove what was built, keep what was fetched
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-.PHONY: all demo test firmware pil sizes check bench promise replay faults format asan clean help
+.PHONY: all demo test firmware pil sizes check bench promise replay faults format asan clean help survival

@@ -58,6 +58,8 @@ static void send_outputs(void)
     }
 }
 
+static void start(void);
+
 static void take_receiver_event(pel_receiver_t *rx, bool is_base, pel_rx_event_t event)
 {
     switch (event) {
@@ -75,6 +77,7 @@ static void take_receiver_event(pel_receiver_t *rx, bool is_base, pel_rx_event_t
             pel_navigator_push_base(&navigator, &rx->epoch);
         } else {
             pel_navigator_push_rover(&navigator, &rx->epoch);
+            if (pel_navigator_is_broken(&navigator)) { start(); } /* its settings have changed by themselves */
         }
         break;
     }

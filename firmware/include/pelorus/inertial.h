@@ -55,10 +55,11 @@ void pel_imu_correct(const pel_imu_t *imu, const double b_g[3], const double b_a
 
 /* ---- ring of increments ----------------------------------------------------------------------------------------- */
 
-/* The last PEL_IMU_RING increments in order of time; 72 bytes each. Callers read through the functions below. */
+/* The last PEL_IMU_RING increments in order of time; 76 bytes each. Callers read through the functions below. */
 typedef struct {
     pel_imu_t imu[PEL_IMU_RING];
-    uint16_t head; /* where the next one goes */
+    uint32_t check[PEL_IMU_RING]; /* of each: it waits for half a second, in which memory may change by itself */
+    uint16_t head;                /* where the next one goes */
     uint16_t n;
 } pel_imu_ring_t;
 
@@ -72,6 +73,9 @@ pel_status_t pel_imu_ring_push(pel_imu_ring_t *ring, const pel_imu_t *imu);
 const pel_imu_t *pel_imu_ring_at(const pel_imu_ring_t *ring, int i);
 const pel_imu_t *pel_imu_ring_oldest(const pel_imu_ring_t *ring);
 const pel_imu_t *pel_imu_ring_newest(const pel_imu_ring_t *ring);
+
+/* Is the i-th what was pushed? False beyond the ring's content. */
+bool pel_imu_ring_is_whole(const pel_imu_ring_t *ring, int i);
 
 /* Index of the first increment that ends after t (the one that contains or follows t); ring->n if there is none.
  * Binary search. */

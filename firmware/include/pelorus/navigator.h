@@ -254,7 +254,9 @@ typedef struct {
 } pel_timing_t;
 
 typedef struct pel_navigator_t {
-    pel_nav_config_t cfg;
+    pel_nav_config_t cfg;                           /* as given; never written after init */
+    uint32_t cfg_check, state_check, station_check; /* navigator/sound.c */
+    bool attitude_given;                            /* the configured attitude has not been used up */
     pel_orbits_t orbits;
     bool have_station;
     pel_station_t station;
@@ -340,6 +342,10 @@ void pel_navigator_push_event(pel_navigator_t *nav, pel_time_t t_ns, uint32_t id
 
 /* The input has ended: apply one epoch of those still waiting. False when there is none left. */
 bool pel_navigator_flush(pel_navigator_t *nav);
+
+/* The configuration is no longer what was given: memory has changed by itself. All pushes are refused; begin again with
+ * pel_navigator_init() and a configuration from elsewhere. */
+bool pel_navigator_is_broken(const pel_navigator_t *nav);
 
 /* What is ready, one a call, in order of time; PEL_NAV_NONE when there is no more. */
 pel_nav_output_t pel_navigator_poll(pel_navigator_t *nav);

@@ -31,7 +31,7 @@ double pel_time_tow_s(pel_time_t t_ns)
 
 double pel_time_diff_s(pel_time_t a_ns, pel_time_t b_ns)
 {
-    const int64_t d = a_ns - b_ns;
+    const int64_t d = (int64_t)((uint64_t)a_ns - (uint64_t)b_ns); /* of any two numbers: memory may change by itself */
     const int64_t whole_s = d / PEL_NS_PER_S;
     return (double)whole_s + (double)(d - whole_s * PEL_NS_PER_S) * 1e-9;
 }

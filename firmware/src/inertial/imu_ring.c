@@ -1,7 +1,23 @@
 /* imu_ring.c - the last increments, in order of time. */
+#include <string.h>
+
 #include "pelorus/inertial.h"
 
 _Static_assert((PEL_IMU_RING & (PEL_IMU_RING - 1)) == 0, "indices wrap by masking");
+
+/* Rotate and exclusive-or over the words of what is used: any one flipped bit changes it. */
+static uint32_t check_of(const pel_imu_t *imu)
+{
+    uint32_t h = 1;
+    for (size_t i = 0; i < (offsetof(pel_imu_t, flags) + sizeof imu->flags) / 4; i++) {
+        uint32_t word;
+        memcpy(&word, (const uint8_t *)imu + 4 * i, sizeof word);
+        h = ((h << 5) | (h >> 27)) ^ word;
+    }
+    return h;
+}
+
+_Static_assert((offsetof(pel_imu_t, flags) + sizeof(uint16_t)) % 4 == 0, "checked by words");
 
 void pel_imu_ring_init(pel_imu_ring_t *ring)
 {
@@ -13,6 +29,12 @@ const pel_imu_t *pel_imu_ring_at(const pel_imu_ring_t *ring, int i)
 {
     if (i < 0 || i >= (int)ring->n) { return NULL; }
     return &ring->imu[((unsigned)ring->head - ring->n + (unsigned)i) & (PEL_IMU_RING - 1u)];
+}
+
+bool pel_imu_ring_is_whole(const pel_imu_ring_t *ring, int i)
+{
+    const pel_imu_t *imu = pel_imu_ring_at(ring, i);
+    return imu != NULL && ring->check[imu - ring->imu] == check_of(imu);
 }
 
 const pel_imu_t *pel_imu_ring_oldest(const pel_imu_ring_t *ring)
@@ -31,6 +53,7 @@ pel_status_t pel_imu_ring_push(pel_imu_ring_t *ring, const pel_imu_t *imu)
     if (!(imu->dt_s > 0.0 && imu->dt_s <= 10.0)) { return PEL_E_RANGE; }
     if (newest != NULL && imu->t_ns <= newest->t_ns) { return PEL_E_STALE; }
     ring->imu[ring->head] = *imu;
+    ring->check[ring->head] = check_of(imu);
     ring->head = (uint16_t)((ring->head + 1u) & (PEL_IMU_RING - 1u));
     if (ring->n < PEL_IMU_RING) { ring->n++; }
     return PEL_OK;

@@ -57,6 +57,19 @@ static void decay_markov(pel_navigator_t *nav, double dt_s)
     }
 }
 
+/* Have the increments from here on (and the one before, which the search went by) not changed while they waited? If one has, nobody
+ * knows which others did: the ring is emptied. */
+static bool is_whole_from(pel_navigator_t *nav, int first)
+{
+    for (int i = (first > 0) ? first - 1 : 0; i < nav->ring.n; i++) {
+        if (pel_imu_ring_is_whole(&nav->ring, i)) { continue; }
+        pel_imu_ring_init(&nav->ring);
+        nav->counters.numeric_faults++;
+        return false;
+    }
+    return true;
+}
+
 static pel_status_t advance_ins(pel_navigator_t *nav, pel_time_t t_ns)
 {
     pel_strapdown_t *s = &nav->at_horizon;
@@ -66,7 +79,9 @@ static pel_status_t advance_ins(pel_navigator_t *nav, pel_time_t t_ns)
     if (pel_time_diff_s(oldest->t_ns, s->t_ns) > oldest->dt_s + 1e-6) { return PEL_E_MISSING; }
     pel_status_t status = PEL_OK;
     pel_imu_t part;
-    for (int i = pel_imu_ring_after(&nav->ring, s->t_ns); clipped(nav, i, s->t_ns, t_ns, &part); i++) {
+    const int first = pel_imu_ring_after(&nav->ring, s->t_ns);
+    if (!is_whole_from(nav, first)) { return PEL_E_RANGE; }
+    for (int i = first; clipped(nav, i, s->t_ns, t_ns, &part); i++) {
         step(nav, &part, s, &nav->coning_horizon);
         smooth_omega(nav, &part);
         decay_markov(nav, part.dt_s);
@@ -137,7 +152,12 @@ void pel_nav_predict_now(pel_navigator_t *nav)
     if (!nav->ins) { return; }
     nav->coning_now = nav->coning_horizon;
     pel_imu_t part;
-    for (int i = pel_imu_ring_after(&nav->ring, nav->now.t_ns); clipped(nav, i, nav->now.t_ns, INT64_MAX, &part); i++) {
+    const int first = pel_imu_ring_after(&nav->ring, nav->now.t_ns);
+    if (!is_whole_from(nav, first)) {
+        pel_nav_drop_ins(nav);
+        return;
+    }
+    for (int i = first; clipped(nav, i, nav->now.t_ns, INT64_MAX, &part); i++) {
         step(nav, &part, &nav->now, &nav->coning_now);
     }
 }

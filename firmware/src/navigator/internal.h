@@ -249,6 +249,25 @@ bool pel_nav_base_is_plausible(const pel_navigator_t *nav, const pel_epoch_t *ba
 /* After the rows: has the Doppler of several epochs in a row contradicted the INS? */
 bool pel_nav_ins_is_contradicted(pel_navigator_t *nav);
 
+/* ---- sound.c ---- */
+
+void pel_nav_seal_config(pel_navigator_t *nav);
+
+/* Position, velocity and attitude between one push and the next: sealed at the end of each, no state any more if they have changed. */
+void pel_nav_seal_state(pel_navigator_t *nav);
+void pel_nav_check_state(pel_navigator_t *nav);
+
+/* The base's place: unknown until it is told again if it has changed. */
+void pel_nav_seal_station(pel_navigator_t *nav);
+void pel_nav_check_station(pel_navigator_t *nav);
+
+/* Every count and index within its bounds: the counts alone, for each increment, and all of it, for each epoch. */
+bool pel_nav_counts_are_sound(const pel_navigator_t *nav);
+bool pel_nav_is_sound(const pel_navigator_t *nav);
+
+/* As after init, but for the counters, which tell it. */
+void pel_nav_begin_anew(pel_navigator_t *nav);
+
 /* ---- predict.c ---- */
 
 /* Covariance in e of position, velocity and (with INS) attitude. */

@@ -19,6 +19,9 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
 {
     memset(nav, 0, sizeof *nav);
     nav->cfg = *cfg;
+    pel_nav_seal_config(nav);
+    nav->attitude_given = cfg->have_attitude;
+    pel_nav_seal_state(nav);
     pel_orbits_init(&nav->orbits);
     nav->orbits.no_ionosphere = cfg->no_ionosphere;
     pel_slip_init(&nav->slip_rover);
@@ -96,6 +99,15 @@ static void drop_oldest(pel_navigator_t *nav)
     memmove(&nav->rover[0], &nav->rover[1], (size_t)nav->n_rover * sizeof nav->rover[0]);
 }
 
+/* Before an epoch or an orbit is used: is the navigator what it was? */
+static bool can_go_on(pel_navigator_t *nav)
+{
+    if (pel_navigator_is_broken(nav)) { return false; }
+    if (!pel_nav_is_sound(nav)) { pel_nav_begin_anew(nav); }
+    pel_nav_check_station(nav);
+    return true;
+}
+
 /* What is under way is done at once. */
 static void complete(pel_navigator_t *nav)
 {
@@ -143,6 +155,7 @@ static void apply_if_due(pel_navigator_t *nav)
     if (nav->n_rover == 0) { return; }
     const pel_time_t t_ns = nav->rover[0].t_ns;
     if (!imu_has_passed(nav, t_ns) || !base_is_settled(nav, t_ns)) { return; }
+    if (!can_go_on(nav) || nav->n_rover == 0) { return; }
     if (!in_slices(nav)) {
         apply_oldest(nav);
         return;
@@ -177,7 +190,7 @@ static void restart_imu(pel_navigator_t *nav)
     pel_imu_ring_init(&nav->ring);
     pel_nav_drop_ins(nav);
     pel_nav_reset_alignment(nav);
-    nav->cfg.have_attitude = false; /* the turns since the first increment are lost */
+    nav->attitude_given = false; /* the turns since the first increment are lost */
     nav->last_imu_ns = 0;
 }
 
@@ -217,7 +230,7 @@ static bool time_is_possible(pel_time_t t_ns)
     return t_ns > 0 && t_ns < INT64_C(6000) * PEL_NS_PER_WEEK;
 }
 
-void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
+static void take_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
     if (!time_is_possible(epoch->t_ns)) {
         nav->counters.epochs_late++;
@@ -243,6 +256,14 @@ void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
     apply_if_due(nav);
 }
 
+void pel_navigator_push_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
+{
+    if (!can_go_on(nav)) { return; }
+    pel_nav_check_state(nav);
+    take_rover(nav, epoch);
+    pel_nav_seal_state(nav);
+}
+
 /* Slips of a base epoch that no rover epoch has used yet are still news. */
 static void keep_unseen_slips(const pel_navigator_t *nav, pel_epoch_t *newest)
 {
@@ -258,7 +279,7 @@ static void keep_unseen_slips(const pel_navigator_t *nav, pel_epoch_t *newest)
     }
 }
 
-void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
+static void take_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
 {
     if (epoch->n > 0 && !any_allowed(nav, epoch)) { return; }
     if (!time_is_possible(epoch->t_ns)) {
@@ -283,8 +304,17 @@ void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
     apply_if_due(nav);
 }
 
+void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
+{
+    if (!can_go_on(nav)) { return; }
+    pel_nav_check_state(nav);
+    take_base(nav, epoch);
+    pel_nav_seal_state(nav);
+}
+
 void pel_navigator_push_ephemeris(pel_navigator_t *nav, const pel_ephemeris_t *eph)
 {
+    if (!can_go_on(nav)) { return; }
     if (eph->sys < PEL_N_SYS && (nav->cfg.systems & (1u << eph->sys)) != 0) { (void)pel_orbits_add(&nav->orbits, eph); }
 }
 
@@ -298,6 +328,7 @@ void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k
 
 void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
 {
+    if (!can_go_on(nav)) { return; }
     const double r = pel_norm3(s->r_ea_e);
     if (!(r > 6.3e6 && r < 7.4e6)) { return; } /* a base that does not know its place sends zeros */
     double move = 0.0;
@@ -308,6 +339,7 @@ void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
     }
     nav->station = *s;
     nav->have_station = true;
+    pel_nav_seal_station(nav);
 }
 
 /* ---- the IMU -------------------------------------------------------------------------------------------------------- */
@@ -345,7 +377,7 @@ static void bridge_gap(pel_navigator_t *nav, pel_imu_t *body)
     body->dt_s *= scale;
 }
 
-void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
+static void take_imu(pel_navigator_t *nav, const pel_imu_t *imu)
 {
     if (!pel_nav_imu_is_sane(imu)) {
         nav->counters.imu_bad_value++;
@@ -376,12 +408,22 @@ void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
     apply_if_due(nav);
 }
 
+void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
+{
+    if (!pel_nav_counts_are_sound(nav)) { pel_nav_begin_anew(nav); }
+    pel_nav_check_state(nav);
+    take_imu(nav, imu);
+    pel_nav_seal_state(nav);
+}
+
 /* ---- outputs -------------------------------------------------------------------------------------------------------- */
 
 bool pel_navigator_flush(pel_navigator_t *nav)
 {
-    if (nav->n_rover == 0) { return false; }
+    if (!can_go_on(nav) || nav->n_rover == 0) { return false; }
+    pel_nav_check_state(nav);
     apply_oldest(nav);
+    pel_nav_seal_state(nav);
     return true;
 }
 

@@ -186,7 +186,7 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
 {
     double lat, lon, h;
     pel_earth_ecef_to_llh(nav->at_horizon.r_eb_e, &lat, &lon, &h);
-    if (nav->cfg.have_attitude) {
+    if (nav->attitude_given) {
         carry_given_attitude(nav, nav->at_horizon.t_ns, lat, lon, out);
         return true;
     }
@@ -262,7 +262,7 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
         status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_r);
     }
     nav->ins = true;
-    nav->cfg.have_attitude = false; /* that of the first increment: good for one start */
+    nav->attitude_given = false; /* that of the first increment: good for one start */
     for (int i = 0; i < 3; i++) { copy3(attitude->C_b_e[i], nav->at_horizon.C_b_e[i]); }
     if (status == PEL_OK) { status = antenna_to_imu(nav); }
     if (status != PEL_OK) {

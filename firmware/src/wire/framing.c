@@ -12,7 +12,8 @@ void pel_frame_drop(uint8_t *buf, uint16_t *fill, size_t n)
 
 void pel_frame_append(uint8_t *buf, size_t cap, uint16_t *fill, pel_wire_counters_t *count, uint8_t byte)
 {
-    if (*fill >= cap) {
+    if (*fill > cap) { *fill = 0; } /* memory has changed by itself */
+    if (*fill == cap) {
         pel_frame_drop(buf, fill, 1);
         count->noise_bytes++;
     }

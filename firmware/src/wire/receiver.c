@@ -50,6 +50,7 @@ static pel_rx_event_t take_frame(pel_receiver_t *rx, bool final, bool *found)
 pel_rx_event_t pel_receiver_push(pel_receiver_t *rx, uint8_t byte)
 {
     bool found;
+    if (rx->epoch.n > PEL_MAX_OBS) { rx->epoch.n = 0; } /* memory has changed by itself */
     pel_frame_append(rx->buf, sizeof rx->buf, &rx->fill, &rx->counters, byte);
     return take_frame(rx, false, &found);
 }

@@ -95,7 +95,9 @@ static void code_noise_is_learnt_whatever_was_told(void)
     for (int i = 0; i < 3; i++) {
         pair_init(&pair, &nav, GPS, L1_L2);
         pair.code_sd_m = SD_M[i];
-        nav.cfg.code_tau_s = 0.0; /* white in this scene */
+        pel_nav_config_t cfg = nav.cfg;
+        cfg.code_tau_s = 0.0; /* white in this scene */
+        pair_introduce(&pair, &nav, &cfg);
         const run_t r = run(90);
         const double expected = SD_M[i] * SD_M[i];
         /* Told: 0.35 m at the zenith, and half of the variance grows with 1 / sin^2 of elevation; the scene is white at all. */

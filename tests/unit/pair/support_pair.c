@@ -29,7 +29,12 @@ void pair_init(pair_t *p, pel_navigator_t *nav, unsigned systems, uint8_t carrie
     cfg.no_ionosphere = true;
     cfg.noise.iono_mm_per_km = 0.0;
     cfg.output_period_ns = 0;
-    pel_navigator_init(nav, &cfg);
+    pair_introduce(p, nav, &cfg);
+}
+
+void pair_introduce(const pair_t *p, pel_navigator_t *nav, const pel_nav_config_t *cfg)
+{
+    pel_navigator_init(nav, cfg);
     for (int i = 0; i < p->orbits.n; i++) { pel_navigator_push_ephemeris(nav, &p->orbits.eph[i]); }
     pel_station_t station = {.id = 1};
     memcpy(station.r_ea_e, p->base.r_e, sizeof station.r_ea_e);

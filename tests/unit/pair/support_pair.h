@@ -17,6 +17,9 @@ typedef struct {
 /* 1.9 km apart, noise of 0.4 m and 3 mm; the navigator is told orbits, base position and that there is no ionosphere to model. */
 void pair_init(pair_t *p, pel_navigator_t *nav, unsigned systems, uint8_t carriers);
 
+/* Begin with another configuration: the navigator afresh, with the orbits and the base's place. */
+void pair_introduce(const pair_t *p, pel_navigator_t *nav, const pel_nav_config_t *cfg);
+
 /* What both receivers see in the next second; then the caller may change it and push it. */
 void pair_observe(pair_t *p, pel_epoch_t *base, pel_epoch_t *rover);
 
