@@ -14,11 +14,12 @@
 #define FIT_ALONE         0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
 #define FIT_BESIDE_HELD   0.999
 #define MISFIT_FLOATS     5
-#define FAILURE_FACTOR    5.0 /* epochs far apart that agree may each promise this much less */
-#define RESOLVE_RATIO     3.0
-#define RESOLVE_SUCCESS   0.99
-#define INTEGER_SD_CYC    1e-3 /* conditioning on an integer */
-#define FAR_APART_S       10.0 /* epochs with errors of their own */
+#define FAILURE_FACTOR                                                                                                 \
+    10.0 /* epochs far apart that agree: one may promise this much less, of which a tenth is seen (make promise) */
+#define RESOLVE_RATIO   3.0
+#define RESOLVE_SUCCESS 0.99
+#define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
+#define FAR_APART_S     10.0 /* epochs with errors of their own */
 
 static bool is_settled(pel_navigator_t *nav, const pel_tracked_t *t)
 {

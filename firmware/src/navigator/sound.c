@@ -115,8 +115,8 @@ static bool search_is_sound(const pel_navigator_t *nav)
         if (nav->update.chosen.entry[i] >= PEL_MAX_TRACKED) { return false; }
     }
     return (nav->search == PEL_NAV_SEARCH_EPOCH || nav->search == PEL_NAV_SEARCH_FLOATS) && nav->n_rover > 0 &&
-           within(ils->n, PEL_MAX_AMB) && within(ils->level, PEL_MAX_AMB) && within(ils->n_steps, PEL_ILS_STEPS) &&
-           within(ils->n_best, PEL_ILS_BEST) && within(ils->n_found, PEL_ILS_BEST);
+           within(ils->n, PEL_MAX_AMB) && within(ils->level, PEL_MAX_AMB) && within(ils->n_notes, PEL_ILS_NOTES) &&
+           within(ils->n_held, PEL_ILS_HELD) && within(ils->n_best, PEL_ILS_BEST) && within(ils->n_found, PEL_ILS_BEST);
 }
 
 bool pel_nav_counts_are_sound(const pel_navigator_t *nav)
