@@ -133,6 +133,10 @@ pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q,
 pel_status_t pel_ils_init_as(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
                              int32_t budget);
 
+/* After pel_ils_init() and before the search: decorrelate as far as it goes. The vectors are the same without; success rate and the ratio
+ * needed, which are bounds, come nearer to the truth. Where no verdict hangs on them it costs more than it saves. */
+void pel_ils_decorrelate_to_the_end(pel_ils_t *s);
+
 /* Room in the engine where a caller short of stack may write Q and a before it gives them to pel_ils_init(). */
 static inline double *pel_ils_room_for_Q(pel_ils_t *s)
 {

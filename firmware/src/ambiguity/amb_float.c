@@ -234,6 +234,7 @@ pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best,
     form_ambiguities(p, &e, s);
     status = pel_ils_start(s, PEL_ILS_LAMBDA, pel_amb_count(p), s->a, s->Q, n_best, budget);
     if (status != PEL_OK) { return status; }
+    pel_ils_decorrelate_to_the_end(s);
     s->float_sq = sq;
     s->float_dof = p->have_prior ? n_code : n_code - 3;
     return PEL_OK;

@@ -148,6 +148,15 @@ static void reconsider(pel_ils_t *s)
     pel_ils_first_node(s);
 }
 
+void pel_ils_decorrelate_to_the_end(pel_ils_t *s)
+{
+    if (s->stage != PEL_ILS_SEARCHING || s->nodes > 0 || s->method != PEL_ILS_LAMBDA || s->patience == INT32_MAX) {
+        return;
+    }
+    pel_ils_decorrelate_more(s);
+    pel_ils_first_node(s);
+}
+
 /* Rank by exact norms; if they differ so much from the search's that nothing is proved, begin anew with more slack. */
 static void settle(pel_ils_t *s)
 {

@@ -47,7 +47,9 @@ static bool load(pel_navigator_t *nav, const pel_nav_chosen_t *c)
     const double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
     if (c->tries <= 0 || c->n < (c->beside_held ? 1 : FEWEST_ALONE)) { return false; }
     collect(nav, c);
-    return pel_ils_init(&nav->ils, c->n, a, Q, 2, nav->cfg.node_budget) == PEL_OK;
+    if (pel_ils_init(&nav->ils, c->n, a, Q, 2, nav->cfg.node_budget) != PEL_OK) { return false; }
+    pel_ils_decorrelate_to_the_end(&nav->ils);
+    return true;
 }
 
 /* Verdict on the search that has ended. */
