@@ -39,6 +39,15 @@ replay: all ## replay real recordings, one table
 faults: all ## every fault on every line in every phase against its table; writes docs/FAULTS.md
 	@cmake/bootstrap.sh test && $(PYTHON) tests/scenario/fault_campaign.py --docs docs/FAULTS.md $(ARGS)
 
+fuzz: ## run each fuzz target for SECONDS (30)
+	@JOBS=$(JOBS) bash cmake/fuzz.sh $(or $(SECONDS),30) $(ARGS)
+
+prove: ## hold the proofs of tests/prove, each against its twin with a planted bug
+	@JOBS=$(JOBS) bash cmake/prove.sh $(ARGS)
+
+coverage: ## lines, branches and MC/DC of firmware/ that the tests reach, by room
+	@JOBS=$(JOBS) bash cmake/coverage.sh $(ARGS)
+
 format: ## clang-format every C and C++ file
 	@git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp' | xargs clang-format -i
 
@@ -51,4 +60,4 @@ clean: ## remove what was built, keep what was fetched
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-.PHONY: all demo test firmware pil sizes check bench promise replay faults format asan clean help
+.PHONY: all demo test firmware pil sizes check bench promise replay faults fuzz prove coverage format asan clean help
