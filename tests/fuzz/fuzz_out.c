@@ -25,6 +25,7 @@ static void decode(const pel_out_reader_t *r)
     pel_nav_counters_t nav;
     pel_wire_counters_t wire[3];
     pel_event_t e;
+    pel_warm_report_t w;
     pel_time_t t;
     char text[128];
     int n_sats;
@@ -52,6 +53,10 @@ static void decode(const pel_out_reader_t *r)
     case PEL_OUT_EVENT:
         if (pel_out_decode_event(r->payload, r->n, &e) != PEL_OK) { return; }
         check_again(r, pel_out_encode_event(&e, out, sizeof out));
+        break;
+    case PEL_OUT_WARM:
+        if (pel_out_decode_warm(r->payload, r->n, &w) != PEL_OK) { return; }
+        check_again(r, pel_out_encode_warm(&w, out, sizeof out));
         break;
     default: break;
     }
