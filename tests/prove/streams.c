@@ -6,7 +6,7 @@
 /* PROVE imu_decode: increments of any bytes; what is given lies in its bounds
  * sources wire/imu_frame.c wire/bitio.c base/bits.c
  * flags --any-floats --unwind 42 -DPEL_MAX_OBS=8
- * plant wire/imu_frame.c: i < 6; i++ => i < 7; i++ */
+ * plant wire/imu_frame.c: imu->t_ns > 0 && imu->t_ns => imu->t_ns */
 void imu_decode(void)
 {
     uint8_t payload[PEL_IMU_PAYLOAD];
