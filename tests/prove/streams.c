@@ -102,20 +102,4 @@ void out_solution(void)
     claim(pel_out_decode_solution(payload, n, &s) != PEL_OK || n == 252);
 }
 
-/* PROVE out_sats: the number of satellites in a payload, held against every length and against the room there is
- * sources wire/out_solution.c wire/bitio.c base/bits.c
- * flags --any-floats --unwind 12 -DPEL_MAX_OBS=8
- * plant wire/out_solution.c: count > PEL_MAX_OBS => count > 2 * PEL_MAX_OBS */
-void out_sats(void)
-{
-    enum { MOST = 10 + 44 * 9 };
-    uint8_t bytes[MOST];
-    pel_sat_report_t s[PEL_MAX_OBS];
-    pel_time_t t;
-    int n_sats = 0;
-    for (int count = 0; count <= 9; count++) {
-        const size_t n = 10u + 44u * (size_t)count;
-        const pel_status_t status = pel_out_decode_sats(bytes + MOST - n, n, &t, s, &n_sats);
-        claim(status != PEL_OK || (n_sats >= 0 && n_sats <= PEL_MAX_OBS));
-    }
-}
+/* INSTEAD pel_out_decode_sats: up to 128 records of eleven floats each | out */

@@ -4,19 +4,6 @@
 
 #define FAR (INT64_C(1) << 62) /* 146 years */
 
-/* PROVE time_week: any time has a week, and the rest lies in it
- * sources base/time.c
- * flags --unwind 20 --boolector
- * plant base/time.c: if (week * PEL_NS_PER_WEEK > t_ns) { week--; } => week--; */
-void time_week(void)
-{
-    const pel_time_t t = any_i64();
-    const int32_t week = pel_time_week(t); /* of any */
-    assume(t > INT64_MIN + PEL_NS_PER_WEEK);
-    const int64_t rest = t - (int64_t)week * PEL_NS_PER_WEEK;
-    claim(rest >= 0 && rest < PEL_NS_PER_WEEK);
-}
-
 /* PROVE time_from_week: weeks to the year 2160 and seconds of ten years do not overflow
  * sources base/time.c
  * flags --unwind 20
@@ -90,3 +77,5 @@ void sys_tables(void)
     claim(most >= 0 && most <= 63);
     (void)pel_sys_letter((pel_sys_t)any_u32());
 }
+
+/* INSTEAD pel_time_week, pel_time_tow_s, pel_time_from_tow_near: a 64-bit division by 604 800 000 000 000 is too hard for the solver | ubx_pvt, rtcm3_ephemeris */
