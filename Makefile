@@ -42,6 +42,15 @@ faults: all ## every fault on every line in every phase against its table; write
 survival: all ## 20 000 bit flips over the whole static state, 5 000 more under sanitizers; writes the table in docs/SURVIVAL.md
 	@JOBS=$(JOBS) bash cmake/survival.sh $(ARGS)
 
+fuzz: ## run each fuzz target for SECONDS (30)
+	@JOBS=$(JOBS) bash cmake/fuzz.sh $(or $(SECONDS),30) $(ARGS)
+
+prove: ## hold the proofs of tests/prove, each against its twin with a planted bug
+	@JOBS=$(JOBS) bash cmake/prove.sh $(ARGS)
+
+coverage: ## lines, branches and MC/DC of firmware/ that the tests reach, by room
+	@JOBS=$(JOBS) bash cmake/coverage.sh $(ARGS)
+
 format: ## clang-format every C and C++ file
 	@git ls-files -co --exclude-standard '*.c' '*.h' '*.cpp' | xargs clang-format -i
 
@@ -54,4 +63,4 @@ clean: ## remove what was built, keep what was fetched
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-.PHONY: all demo test firmware pil sizes check bench promise replay faults format asan clean help survival
+.PHONY: all demo test firmware pil sizes check bench promise replay faults survival fuzz prove coverage format asan clean help

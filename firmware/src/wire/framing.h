@@ -127,6 +127,11 @@ void pel_rx_add(pel_receiver_t *rx, const pel_obs_t *o);
 /* Whether every number that the flags call valid is possible, and the satellite and carrier exist. */
 bool pel_obs_plausible(const pel_obs_t *o);
 
+/* GPS weeks that a message may tell, 1999 to 2094: before and after them it is damaged or a test signal. */
+#define PEL_WEEK_FIRST 1000
+#define PEL_WEEK_LAST  6000
+#define PEL_TIME_LAST  ((PEL_WEEK_LAST + 1) * PEL_NS_PER_WEEK) /* so that sums of times never overflow */
+
 /* Epochs closer than this are one epoch. */
 #define PEL_SAME_EPOCH_NS (5 * PEL_NS_PER_MS)
 

@@ -12,7 +12,7 @@ bool pel_imu_plausible(const pel_imu_t *imu)
         const double upsilon = imu->upsilon_ib_b[i];
         if (!(alpha > -1.0 && alpha < 1.0 && upsilon > -16.0 && upsilon < 16.0)) { return false; } /* also NaN */
     }
-    return imu->dt_s > 0.0 && imu->dt_s < 4.29 && imu->t_ns > 0;
+    return imu->dt_s > 0.0 && imu->dt_s < 4.29 && imu->t_ns > 0 && imu->t_ns < PEL_TIME_LAST;
 }
 
 static void fields(pel_leio_t *io, pel_imu_t *imu)
@@ -55,7 +55,7 @@ bool pel_imu_decode(const uint8_t *payload, pel_imu_t *imu)
 
 size_t pel_event_mark_encode(pel_time_t t, uint32_t id, uint8_t *out, size_t cap)
 {
-    if (cap < PEL_MARK_PAYLOAD + PEL_OUT_OVERHEAD || t <= 0) { return 0; }
+    if (cap < PEL_MARK_PAYLOAD + PEL_OUT_OVERHEAD || t <= 0 || t >= PEL_TIME_LAST) { return 0; }
     pel_le_put(out + 6, 8, (uint64_t)t);
     pel_le_put(out + 14, 4, id);
     return pel_out_seal(PEL_OUT_EVENT_MARK, PEL_MARK_PAYLOAD, out, cap);

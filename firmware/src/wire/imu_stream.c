@@ -53,7 +53,7 @@ static pel_imu_event_t pelorus_frame(pel_imu_stream_t *s, const uint8_t *f, size
     }
     pel_imu_t imu;
     const pel_time_t mark_t_ns = pel_le_s(f + 6, 8);
-    if ((f[2] == PEL_OUT_IMU) ? !pel_imu_decode(f + 6, &imu) : (mark_t_ns <= 0)) {
+    if ((f[2] == PEL_OUT_IMU) ? !pel_imu_decode(f + 6, &imu) : (mark_t_ns <= 0 || mark_t_ns >= PEL_TIME_LAST)) {
         s->counters.bad_value++;
         return PEL_IMU_NONE;
     }

@@ -87,6 +87,7 @@ bool pel_eph_from_raw(pel_ephemeris_t *eph, const pel_nav_raw_t *raw, bool tow_k
     const int32_t week =
         pel_time_full_week((int32_t)raw->week, s->week_modulo, t_ref - (pel_time_t)s->week_offset * PEL_NS_PER_WEEK) +
         s->week_offset;
+    if (week < PEL_WEEK_FIRST || week > PEL_WEEK_LAST) { return false; }
     const pel_time_t offset = s->time_offset_s * PEL_NS_PER_S;
     eph->toe_ns = pel_time_from_week(week, (double)toe_s) + offset;
     if (tow_known) {

@@ -22,6 +22,14 @@ static bool plausible(const pel_pvt_t *p)
     return p->height_m > -2e4 && p->height_m < 1e7;
 }
 
+/* The fields of UTC. A day beyond its month would move the week, and the week goes into every time that carries none. */
+static bool date_possible(const uint8_t *m)
+{
+    const uint32_t year = (uint32_t)pel_le_u(m + 4, 2);
+    return year >= 1999u && year <= 2094u && m[6] >= 1u && m[6] <= 12u && m[7] >= 1u && m[7] <= 31u && m[8] <= 23u &&
+           m[9] <= 59u && m[10] <= 60u;
+}
+
 pel_rx_event_t pel_ubx_pvt(pel_receiver_t *rx, const uint8_t *m, size_t n)
 {
     const uint32_t itow_ms = (uint32_t)pel_le_u(m, 4);
@@ -42,8 +50,7 @@ pel_rx_event_t pel_ubx_pvt(pel_receiver_t *rx, const uint8_t *m, size_t n)
     for (int i = 0; i < 3; i++) { p.v_ned[i] = (double)pel_le_s(m + 48 + 4 * i, 4) * 1e-3; }
     p.sd_speed_mps = (float)pel_le_u(m + 68, 4) * 1e-3f;
 
-    if (itow_ms >= 604800000u || !plausible(&p) ||
-        (date_valid && (year < 1980 || year > 2200 || m[6] < 1 || m[6] > 12))) {
+    if (itow_ms >= 604800000u || !plausible(&p) || (date_valid && !date_possible(m))) {
         rx->counters.bad_value++;
         return PEL_RX_NONE;
     }

@@ -117,7 +117,7 @@ pel_rx_event_t pel_ubx_rawx(pel_receiver_t *rx, const uint8_t *payload, size_t n
         rx->counters.bad_length++;
         return PEL_RX_NONE;
     }
-    if (!(tow_s >= 0.0 && tow_s < 604801.0) || week < 1000 || week > 6000) {
+    if (!(tow_s >= 0.0 && tow_s < 604801.0) || week < PEL_WEEK_FIRST || week > PEL_WEEK_LAST) {
         rx->counters.bad_value++;
         return PEL_RX_NONE;
     }

@@ -184,6 +184,28 @@ static void no_truncation_and_no_damage_breaks_the_reader(void)
     }
 }
 
+/* Both found by fuzz_imu_csv: sums of such times do not fit 64 bits. */
+static void a_time_of_centuries_is_no_sample(void)
+{
+    options.has_offset = true;
+    text_add(&text, "gpst_s,ax,ay,az,gx,gy,gz\n13000000001,0,0,9.8,0,0,0\n1300000000.00,0,0,9.8,0,0,0\n");
+    text_add(&text, "1300000000.01,0,0,9.8,0,0,0\n1300000000.02,0,0,9.8,0,0,0\n");
+    read_text();
+    TEST_ASSERT_EQUAL_size_t(2, samples.n);
+    TEST_ASSERT_EQUAL_UINT64(1, tally_get(&tally, "line that is not a sample"));
+}
+
+static void a_gap_of_decades_is_a_gap(void)
+{
+    options.has_offset = true;
+    text_add(&text, "gpst_s,ax,ay,az,gx,gy,gz\n0.00,0,0,9.8,0,0,0\n0.01,0,0,9.8,0,0,0\n0.02,0,0,9.8,0,0,0\n");
+    text_add(&text, "3999999999,0,0,9.8,0,0,0\n");
+    read_text();
+    TEST_ASSERT_EQUAL_size_t(3, samples.n);
+    TEST_ASSERT_EQUAL_UINT64(1, tally_get(&tally, "gaps"));
+    TEST_ASSERT_EQUAL_DOUBLE(0.01, samples.imu[2].dt_s);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -194,6 +216,8 @@ int main(void)
     RUN_TEST(a_gap_is_not_bridged_and_shows_in_the_sequence);
     RUN_TEST(time_tags_tie_a_logger_clock_to_gps_time);
     RUN_TEST(tags_of_a_text_that_lost_its_carriage_returns_are_put_right);
+    RUN_TEST(a_time_of_centuries_is_no_sample);
+    RUN_TEST(a_gap_of_decades_is_a_gap);
     RUN_TEST(no_truncation_and_no_damage_breaks_the_reader);
     return UNITY_END();
 }

@@ -282,6 +282,7 @@ static void states_come_and_go_as_in_dense_algebra(void)
     TEST_ASSERT_EQUAL(PEL_E_FULL, pel_ud_clone(&full, 1, 0, PEL_R(1.0)));
     TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ud_remove(&full, PEL_MAX_STATES));
     TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_set_block3(&full, 0, bad));
+    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ud_set_block3(&full, INT32_MAX, bad));
     TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_set_variance(&full, 3, PEL_R(0.0)));
     TEST_ASSERT_EQUAL_MEMORY(&before, &full, sizeof full);
 }
@@ -354,9 +355,24 @@ static void lost_factors_are_noticed(void)
     TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_ud_time_update(&ud, &t));
 }
 
+/* Found by the proof ud_init: 1e-30 is positive and its square is not. */
+static void deviations_whose_square_vanishes_or_overflows_are_refused(void)
+{
+    pel_ud_t ud;
+    const pel_real tiny = (sizeof(pel_real) == 4) ? (pel_real)1e-30 : (pel_real)1e-200;
+    const pel_real huge = PEL_R(1.0) / tiny;
+    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_init(&ud, 1, &tiny));
+    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_init(&ud, 1, &huge));
+    const pel_real one = PEL_R(1.0);
+    TEST_ASSERT_EQUAL(PEL_OK, pel_ud_init(&ud, 1, &one));
+    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_insert(&ud, 1, huge * huge));
+    TEST_ASSERT_EQUAL(PEL_OK, pel_ud_check(&ud));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
+    RUN_TEST(deviations_whose_square_vanishes_or_overflows_are_refused);
     RUN_TEST(covariances_are_read_back);
     RUN_TEST(time_updates_match_the_dense_filter);
     RUN_TEST(measurement_updates_match_the_dense_filter);

@@ -356,6 +356,7 @@ static void blocks_are_where_s5_wants_them(void)
     TEST_ASSERT_EQUAL(-1, pel_model_index(&m, PEL_BLOCK_AMBIGUITY));
     TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_model_append(&m, PEL_BLOCK_VELOCITY, 3));
     TEST_ASSERT_EQUAL(PEL_E_FULL, pel_model_append(&m, PEL_BLOCK_AMBIGUITY, PEL_MAX_STATES));
+    TEST_ASSERT_EQUAL(PEL_E_FULL, pel_model_append(&m, PEL_BLOCK_AMBIGUITY, INT32_MAX));
     TEST_ASSERT_EQUAL(PEL_OK, pel_model_append(&m, PEL_BLOCK_AMBIGUITY, 6));
     TEST_ASSERT_EQUAL(18, pel_model_index(&m, PEL_BLOCK_AMBIGUITY));
     pel_model_gnss(&m, &imu);
