@@ -58,7 +58,7 @@ typedef struct {
     int16_t n_best;    /* candidates wanted */
     int16_t n_found;   /* candidates held */
     uint8_t stage;     /* pel_ils_stage_t */
-    bool decorrelated; /* false: the cap on swaps was met first (the search is still exact, only slower) */
+    bool decorrelated; /* false: a cap was met first (the search is still exact, only slower) */
     int32_t swaps;     /* exchanges made by the decorrelation */
     double float_sq;   /* misfit of the float solution and its degrees of freedom, set by pel_amb_float(); else 0 */
     int32_t float_dof;
@@ -121,9 +121,10 @@ _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384 || sizeof(pel_real
  *  n_best  in   candidates wanted, 1..PEL_ILS_BEST (a ratio needs 2)
  *  budget  in   nodes after which the search gives up, >= 1
  *
- * PEL_E_RANGE: n, n_best or budget out of range, a or Q not finite, |a| too large, or a variance above 1e12 cycles^2.
- * PEL_E_NOT_POSDEF: Q is not positive definite (a pivot at or below 1e-13 of its variance).
- * Cost about n^3 / 6 multiply-adds for the factor and 2 n for each of at most PEL_ILS_SWAPS(n) exchanges.
+ * PEL_E_RANGE: n, n_best or budget out of range, a or Q not finite, |a| too large, a variance above 1e12 cycles^2, or variances more
+ * than 2^48 apart. PEL_E_NOT_POSDEF: Q is not positive definite (a pivot at or below 2^-43 of its variance).
+ * No double arithmetic. Cost about n^3 / 6 multiply-adds of 59 bits for the factor and 2 n of pel_real for each of at most
+ * PEL_ILS_SWAPS(n) exchanges.
  * Reference: Teunissen (1995), J. Geodesy 70; Chang, Yang, Zhou (2005), J. Geodesy 79 (pivoting); Xie, Chang, Al Borno (2011), Partial
  * LLL reduction. */
 pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget);
@@ -155,12 +156,15 @@ static inline double *pel_ils_room_for_a(pel_ils_t *s)
  *
  * PEL_OK        optimal: the n_best vectors of smallest norm, proved
  * PEL_W_RUNNING slice used, call again
- * PEL_W_BUDGET  total budget spent: best so far; nothing unexplored has a norm below pel_ils_lower_bound()
+ * PEL_W_BUDGET  total budget spent: best so far; nothing unexplored has a norm below pel_ils_lower_bound(). Or pel_real has not the digits
+ *               that a proof would take
  * PEL_E_MISSING no problem in s
- * Cost of a node: at most n multiply-adds. */
+ * PEL_E_RANGE   a conditional mean beyond 2^22 cycles (2^30 with double): the problem is given up, s is empty
+ * Cost of a node: at most n multiply-adds. A search that turns out to be long is decorrelated further once, within one slice. */
 pel_status_t pel_ils_run(pel_ils_t *s, int32_t max_nodes);
 
-/* k-th best vector found so far (k = 0 is the best), integers in the order of a, and its squared norm. Either output may be NULL.
+/* k-th best vector found so far (k = 0 is the best), integers in the order of a, and its squared norm,
+ * right to 1e-10 of it. Either output may be NULL.
  * PEL_E_MISSING and outputs unchanged: fewer found. */
 pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq);
 
@@ -168,7 +172,8 @@ pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq);
 double pel_ils_ratio(const pel_ils_t *s);
 
 /* Probability that the bootstrapped vector is right, prod (2 Phi(1 / (2 sigma_p)) - 1) over the decorrelated conditional sigmas: a lower
- * bound of the best vector's (Teunissen 1998). 0 if s is empty. Cost an error function for each sigma above 1/18 cycle. */
+ * bound of the best vector's (Teunissen 1998). 0 if s is empty. Right to 1e-7; a longer search may decorrelate further and
+ * raise it. Cost an error function for each sigma above 1/18 cycle. */
 double pel_ils_success(const pel_ils_t *s);
 
 /* Ambiguity dilution of precision det(Q)^(1/2n), cycles (Teunissen 1997). 0 if s is empty. */
@@ -184,7 +189,7 @@ double pel_ils_ratio_needed(const pel_ils_t *s, double failure_max);
 /* The same as a proved bound: two to four times as large where the model is weak. Cost about 120 n exponentials. */
 double pel_ils_ratio_bound(const pel_ils_t *s, double failure_max);
 
-/* No vector that was not visited has a smaller squared norm than this. Equals the bound of the last candidate once optimal. */
+/* No vector that was not visited has a smaller squared norm than this; rounding is taken off (0.4 %). Equals the bound of the last candidate once optimal. */
 double pel_ils_lower_bound(const pel_ils_t *s);
 
 /* ==== the float problem of one epoch ============================================================================ */
