@@ -9,7 +9,7 @@
 #include "ambiguity_internal.h"
 #include "pelorus/math.h"
 
-#define GAIN_FIRST PEL_R(0.05) /* a conditional variance must fall by this share for an exchange to be worth it */
+#define GAIN_FIRST PEL_R(0.35) /* a conditional variance must fall by this share for an exchange to be worth it */
 #define GAIN_MORE  PEL_R(0.02) /* the same once the search has turned out to be long */
 #define PATIENCE   24          /* nodes an ambiguity after which more decorrelation is cheaper than more search */
 #define WEAK_SUM   PEL_R(3.0)  /* cycles^2: with a larger sum of conditional variances the search is sure to be long */
