@@ -106,7 +106,7 @@ class Image:
         elif op in ("jalr", "jr") and args != "ra":
             f["indirect"] += 1
         elif op in ("addi", "add") and args.startswith("sp,sp,-"):
-            f["frame"] += int(args.split("-")[1])
+            f["frame"] += int(re.match(r"sp,sp,-(\d+)", args)[1])
 
     def address_taken(self):
         """Names of functions whose address is stored somewhere, start-up vectors aside."""
