@@ -27,6 +27,11 @@ void pel_model_ins_ecef(pel_model_t *m, const pel_imu_model_t *imu)
     for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) { (void)pel_model_append(m, order[k], 3); }
 }
 
+void pel_model_ins_enu(pel_model_t *m, const pel_imu_model_t *imu)
+{
+    pel_model_ins_ecef(m, imu); /* the blocks are the same: the frame is that of the transition */
+}
+
 void pel_model_gnss(pel_model_t *m, const pel_imu_model_t *imu)
 {
     clear(m, imu);
