@@ -163,6 +163,11 @@ pel_status_t pel_propagator_add_enu(pel_propagator_t *p, const pel_model_t *m, c
 pel_status_t pel_propagator_flush_enu(pel_propagator_t *p, const pel_model_t *m, const pel_strapdown_enu_t *s,
                                       pel_ud_t *ud);
 
+/* Offsets, their rates and the height deviation over dt_s (pel_model_tdcp; blocks a model lacks are passed over): B += dt Bdot; noise of B is
+ * path_m_rts^2 dt on each satellite and once more on their common reference. Call it before an epoch's rows, dt_s below tau_height_s.
+ * PEL_E_RANGE (ud unchanged) unless dt_s > 0 and ud is of this model. 5 rank-one updates with two offsets. */
+pel_status_t pel_propagate_offsets(const pel_model_t *m, const pel_drift_model_t *drift, double dt_s, pel_ud_t *ud);
+
 /* Model without IMU: time update over dt_s (split into substeps of at most 1 s). */
 pel_status_t pel_propagate_gnss(const pel_model_t *m, const double r_e[3], double dt_s, pel_ud_t *ud);
 

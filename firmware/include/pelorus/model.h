@@ -23,6 +23,7 @@ typedef struct {
     double tau_gm_s;      /* and its time constant, >= 10 s */
     double sd_am_mps2;    /* accelerometer Markov, stationary 1 sigma */
     double tau_am_s;      /* >= 10 s */
+    double sd_ba_mps2;    /* accelerometer constant, 1 sigma, in models that have one */
     double accel_psd_rts; /* model without IMU: white acceleration, m/s^2 sqrt(s) = m/s/sqrt(s) per axis */
 } pel_imu_model_t;
 
@@ -46,10 +47,13 @@ typedef enum {
     PEL_BLOCK_VELOCITY = 7,       /* m/s, e */
     PEL_BLOCK_POSITION = 8,       /* m, e */
     PEL_BLOCK_AMBIGUITY = 9,      /* cycles */
-    PEL_N_BLOCK = 10
+    PEL_BLOCK_OFFSET = 10,        /* between-satellite phase offsets: ambiguity, clocks and path, m */
+    PEL_BLOCK_OFFSET_RATE = 11,   /* their rates, m/s */
+    PEL_BLOCK_HEIGHT = 12,        /* estimated minus true deviation of the height reference (terrain, barometer), m */
+    PEL_N_BLOCK = 13
 } pel_block_t;
 
-/* Which states there are. 4 + 20 + 64 bytes. Read freely; change through the functions. */
+/* Which states there are. 4 + 26 + 72 bytes. Read freely; change through the functions. */
 typedef struct {
     int n;                      /* states in all */
     uint8_t first[PEL_N_BLOCK]; /* index of a block's first state */
@@ -66,6 +70,25 @@ void pel_model_ins_enu(pel_model_t *m, const pel_imu_model_t *imu);
 
 /* Without IMU: v 0..2, r 3..5, driven by white acceleration imu->accel_psd_rts. */
 void pel_model_gnss(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* S3: gyro constant 0..2, accelerometer constant 3..5, psi 6..8, v 9..11, r 12..14, offsets (n, 1 or more), their rates (n), height
+ * deviation: 16 + 2 n states, 20 with three satellites. n is cut to what PEL_MAX_STATES holds. */
+void pel_model_tdcp(pel_model_t *m, const pel_imu_model_t *imu, int n_offsets);
+
+/* The same with the antenna's error at the previous epoch in place of offsets (S3 6.2a): gyro, accelerometer, clone 6..8, psi, v, r, height. */
+void pel_model_tdcp_cloned(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* Reference mode only: the 12 states of S3's paper, gyro, accelerometer, psi, v. No position, no gravity gradient: for comparison with what was
+ * published, and worse than pel_model_tdcp() by a factor of six (docs/PRESETS.md). */
+void pel_model_tdcp_paper(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* What drives offsets, their rates and the height deviation. */
+typedef struct {
+    double path_m_rts;        /* random walk of one satellite's path and clock, m/sqrt(s) */
+    double rate_walk_mps_rts; /* random walk of an offset's rate, m/s/sqrt(s) */
+    double sd_height_m;       /* height deviation: first-order Markov, stationary 1 sigma */
+    double tau_height_s;      /* and its time constant, s */
+} pel_drift_model_t;
 
 /* Append a block at the end. PEL_E_FULL beyond PEL_MAX_STATES, PEL_E_RANGE if the block is there already or size < 1. */
 pel_status_t pel_model_append(pel_model_t *m, pel_block_t block, int size);
@@ -100,7 +123,8 @@ typedef struct {
  *  r_e    in  position, m
  *
  * F (S5 section 4):  psi' = -W psi + C (bg + gm)   v' = -2 W v - [f x] psi + C am + G r   r' = v,  W = [omega_ie x],
- * G = gravity gradient. Noise: arw^2 dt on psi, vrw^2 dt (or accel_psd^2 dt) on v: equal on the three axes, so the same in e. */
+ * G = gravity gradient. Noise: arw^2 dt on psi, vrw^2 dt (or accel_psd^2 dt) on v: equal on the three axes, so the same in e.
+ * A model without position has neither G nor the last row. */
 void pel_model_transition(const pel_model_t *m, const double f_e[3], const double C_b_e[3][3], const double r_e[3],
                           double dt_s, pel_transition_t *t);
 
