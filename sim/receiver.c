@@ -14,7 +14,7 @@ typedef struct {
     double tropo_m, iono_m; /* on L1 */
 } sight_t;
 
-enum { CAUSE_NOISE = 31, CAUSE_CLOCK = 32, CAUSE_MULTIPATH = 33, CAUSE_LOCK = 34, CAUSES = 100 };
+enum { CAUSE_NOISE = 31, CAUSE_CLOCK = 32, CAUSE_MULTIPATH = 33, CAUSE_LOCK = 34, CAUSE_PATH = 35, CAUSES = 100 };
 
 static const char system_letters[PEL_N_SYS + 1] = "GRECJS";
 
@@ -82,6 +82,11 @@ void receiver_init(receiver_t *r, const receiver_config_t *cfg, const sky_t *sky
     rng_init(&r->clock, seed, name * CAUSES + CAUSE_CLOCK);
     rng_init(&r->multipath, seed, name * CAUSES + CAUSE_MULTIPATH);
     rng_init(&r->lock, seed, name * CAUSES + CAUSE_LOCK);
+    rng_init(&r->path, seed, name * CAUSES + CAUSE_PATH);
+    for (int i = 0; i < sky->n; i++) {
+        r->path_rate_mps[i] = cfg->path_rate_mps * rng_normal(&r->path);
+        r->path_accel_mps2[i] = cfg->path_accel_mps2 * rng_normal(&r->path);
+    }
     /* Tags are whole multiples of the interval in GPS time: the first one after the start. */
     r->k = (start_ns - cfg->tag_offset_ns) / cfg->interval_ns + 1;
 }
@@ -272,6 +277,17 @@ static void advance_clock(receiver_t *r)
     }
 }
 
+/* What no model knows of each satellite's way. */
+static void advance_paths(receiver_t *r)
+{
+    const double dt = 1e-9 * (double)r->cfg.interval_ns;
+    for (int i = 0; i < r->sky->n; i++) {
+        r->path_m[i] += dt * (r->path_rate_mps[i] + 0.5 * dt * r->path_accel_mps2[i]) +
+                        r->cfg.path_walk_m * sqrt(dt) * rng_normal(&r->path);
+        r->path_rate_mps[i] += dt * r->path_accel_mps2[i];
+    }
+}
+
 void receiver_epoch(receiver_t *r, pel_epoch_t *out)
 {
     const double t_s = receiver_next_s(r);
@@ -287,6 +303,8 @@ void receiver_epoch(receiver_t *r, pel_epoch_t *out)
         const sat_t *sat = &r->sky->sats[i];
         sight_t g;
         look(r, sat, out->t_ns, -r->clock_m / WORLD_C, r_a, v_a, llh, &g);
+        g.tropo_m += r->path_m[i];
+        g.rate += r->path_rate_mps[i];
         for (int k = 0; k < r->cfg.n_signals; k++) {
             const signal_t *signal = &r->cfg.signals[k];
             if (signal->sys != sat->eph.sys) { continue; }
@@ -300,5 +318,6 @@ void receiver_epoch(receiver_t *r, pel_epoch_t *out)
         }
     }
     r->k++;
+    advance_paths(r);
     advance_clock(r);
 }

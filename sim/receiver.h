@@ -2,6 +2,7 @@
  *
  *   P = rho + c (dt_r - dt_s) + T + I + group delay + multipath + noise
  *   L lambda = rho + c (dt_r - dt_s) + T - I + lambda N + multipath + noise
+ * T with each satellite's own path drift, the same on code and phase.
  *   D = -d(L)/dt of the receiver's clock
  *
  * The receiver measures when its own clock shows a tag: at true time tag - dt_r. */
@@ -57,6 +58,9 @@ typedef struct {
     double code_m, phase_m, doppler_mps; /* 1 sigma at the zenith */
     bool elevation_law;                  /* variance grows as (1 + 1/sin^2 el)/2; else the same everywhere */
     double multipath_code_m, multipath_phase_m, multipath_tau_s; /* Gauss-Markov per signal, 1 sigma */
+    double path_walk_m;   /* each satellite's path and transponder: random walk, m/sqrt(s) */
+    double path_rate_mps; /* and drift and its rate, drawn once a satellite */
+    double path_accel_mps2;
     double zenith_delay_error_m; /* troposphere beyond the standard one, at the zenith */
 
     double clock_bias_s, clock_drift; /* at the start; s, s/s */
@@ -105,7 +109,8 @@ typedef struct {
     int64_t k;                      /* next epoch */
     double clock_m, clock_rate_mps; /* offset and rate times c */
     bool jumped;
-    rng_t noise, clock, multipath, lock;
+    rng_t noise, clock, multipath, lock, path;
+    double path_m[SKY_MAX_SATS], path_rate_mps[SKY_MAX_SATS], path_accel_mps2[SKY_MAX_SATS];
     channel_t channel[SKY_MAX_SATS][RECEIVER_MAX_SIGNALS];
 } receiver_t;
 

@@ -213,6 +213,18 @@ static void read_imu(const table_t *root, scenario_t *s)
     read_line(&t, 1.0, &s->imu_line);
 }
 
+static void read_barometer(const table_t *root, scenario_t *s)
+{
+    barometer_config_t *b = &s->barometer;
+    b->present = has(root, "barometer");
+    if (!b->present) { return; }
+    const table_t t = table(root->file, "barometer");
+    b->interval_ns = (int64_t)llround(1e9 / number(&t, "rate_hz", 1.0, 0.01, 100.0, 1.0));
+    b->noise_m = number(&t, "noise_m", 0.1, 1e-3, 60.0, 1.0);
+    b->markov_m = positive(&t, "markov_m", 0.0, 1.0);
+    b->markov_tau_s = number(&t, "tau_s", 300.0, 1.0, 1e6, 1.0);
+}
+
 static void read_signals(const table_t *t, receiver_config_t *c)
 {
     const int n = size(t, "signals");
@@ -245,6 +257,9 @@ static void read_receiver(const table_t *root, const char *name, double latency_
     c->multipath_code_m = positive(&t, "multipath_code_m", 0.0, 1.0);
     c->multipath_phase_m = positive(&t, "multipath_phase_m", 0.0, 1.0);
     c->multipath_tau_s = positive(&t, "multipath_tau_s", 60.0, 1.0);
+    c->path_walk_m = positive(&t, "path_walk_m", 0.0, 1.0);
+    c->path_rate_mps = positive(&t, "path_rate_mps", 0.0, 1.0);
+    c->path_accel_mps2 = positive(&t, "path_accel_mps2", 0.0, 1.0);
     c->zenith_delay_error_m = any(&t, "zenith_delay_error_m", 0.0, 1.0);
     c->clock_bias_s = number(&t, "clock_bias_us", 0.0, -1e5, 1e5, 1e-6);
     c->clock_drift = number(&t, "clock_drift_ppm", 0.0, -100.0, 100.0, 1e-6);
@@ -293,9 +308,9 @@ static void read_happenings(const table_t *root, const char *key, happening_kind
 
 static void read_sky(const table_t *root, scenario_t *s)
 {
-    static const char *const kinds[2] = {"ideal24", "multi"};
+    static const char *const kinds[3] = {"ideal24", "multi", "geo3"};
     const table_t t = table(root->file, "sky");
-    s->sky.kind = (sky_kind_t)word(&t, "constellation", "multi", kinds, 2);
+    s->sky.kind = (sky_kind_t)word(&t, "constellation", "multi", kinds, 3);
     s->sky.orbit_error_m = positive(&t, "orbit_error_m", 0.0, 1.0);
     s->sky.clock_error_m = positive(&t, "clock_error_m", 0.0, 1.0);
     s->sky.clocks = flag(&t, "clocks", true);
@@ -373,6 +388,7 @@ bool scenario_read(config_file_t *file, const char *path, scenario_t *s, char *w
     s->duration_s = number(&root, "duration_s", (legs_s > 0.0) ? legs_s : 60.0, 1.0, 1e6, 1.0);
 
     read_imu(&root, s);
+    read_barometer(&root, s);
     read_receiver(&root, "rover", 60.0, &s->rover, &s->rover_line);
     read_base(&root, s);
     if (!s->rover.present && !s->imu.present) { config_file_complain(file, "rover", "is missing, and so is imu"); }

@@ -18,6 +18,13 @@ typedef struct {
     double bit_errors;          /* probability of a flipped bit, per bit */
 } line_config_t;
 
+typedef struct {
+    bool present;
+    int64_t interval_ns;
+    double noise_m;                /* white, 1 sigma, also what its frames say */
+    double markov_m, markov_tau_s; /* weather, 1 sigma */
+} barometer_config_t;
+
 typedef enum { FORMAT_UBX, FORMAT_RTCM3 } format_t;
 
 typedef struct {
@@ -34,6 +41,7 @@ typedef struct {
     imu_config_t imu;
     line_config_t imu_line;
     double lever_b[3]; /* IMU to antenna */
+    barometer_config_t barometer;
 
     sky_config_t sky;
     double ephemeris_interval_s;

@@ -15,7 +15,7 @@
 #define RISING       (-2.0 * WORLD_DEG) /* ephemerides are sent from this elevation on, so that they are there in time */
 #define BUFFER_BYTES (1u << 16)
 
-enum { ROVER = 1, BASE = 2, CAUSE_START = 51, CAUSE_MARKS = 52 };
+enum { ROVER = 1, BASE = 2, CAUSE_START = 51, CAUSE_MARKS = 52, CAUSE_BAROMETER = 53 };
 enum { LINE_IMU, LINE_ROVER, LINE_BASE, LINE_MARKS, LINE_TRUTH, N_LINES };
 
 typedef struct {
@@ -28,8 +28,10 @@ typedef struct {
     streams_t out;
     simulate_counts_t counts;
     pel_epoch_t epoch;
-    rng_t marks;
+    rng_t marks, weather;
+    double weather_m;
     int64_t imu_k, truth_k; /* next ones */
+    int64_t baro_k;
     int64_t mark_k;
     double ephemerides_s, station_s; /* when they are due */
     uint8_t buffer[BUFFER_BYTES];
@@ -199,6 +201,27 @@ static bool send_marks(run_t *r, double t_end_s)
     return true;
 }
 
+/* Heights at whole multiples of the interval since the start, on the IMU's line. */
+static bool send_heights(run_t *r, double t_end_s)
+{
+    const barometer_config_t *b = &r->s->barometer;
+    const double interval_s = 1e-9 * (double)b->interval_ns;
+    for (; b->present && (double)r->baro_k * interval_s <= t_end_s; r->baro_k++) {
+        const double t_s = (double)r->baro_k * interval_s;
+        state_t state;
+        motion_at(&r->motion, t_s, &state);
+        r->weather_m = (r->baro_k == 0)
+                           ? b->markov_m * rng_normal(&r->weather)
+                           : rng_markov(&r->weather, r->weather_m, b->markov_m, b->markov_tau_s, interval_s);
+        const pel_baro_t sample = {.t_ns = gps_time(r, t_s),
+                                   .height_m = state.llh[2] + r->weather_m + b->noise_m * rng_normal(&r->weather),
+                                   .sd_m = (float)b->noise_m,
+                                   .seq = (uint16_t)r->baro_k};
+        if (!send(r, LINE_IMU, t_s, pel_baro_encode(&sample, r->buffer, sizeof r->buffer))) { return false; }
+    }
+    return true;
+}
+
 /* Truth at whole multiples of its interval in GPS time. */
 static bool send_truths(run_t *r, double t_end_s)
 {
@@ -230,6 +253,7 @@ static bool slice(run_t *r, double t_end_s)
         r->station_s += STATION_S;
     }
     if (ok && s->imu.present) { ok = send_imu(r, t_end_s); }
+    ok = ok && send_heights(r, t_end_s);
     while (ok && s->rover.present && receiver_next_s(&r->rover) <= t_end_s) {
         ok = send_truths(r, receiver_next_s(&r->rover)) && send_truth(r, receiver_next_s(&r->rover)) &&
              send_epoch(r, &r->rover, LINE_ROVER, FORMAT_UBX);
@@ -263,6 +287,7 @@ static bool prepare(run_t *r, const scenario_t *s, sink_t sink, void *context)
     line_init(&r->line[LINE_MARKS], CAPTURE_UART_AUX1, &mark_line, s->seed, LINE_MARKS);
     line_init(&r->line[LINE_TRUTH], CAPTURE_TRUTH, &ideal, s->seed, LINE_TRUTH);
     rng_init(&r->marks, s->seed, CAUSE_MARKS);
+    rng_init(&r->weather, s->seed, CAUSE_BAROMETER);
     const int64_t truth_interval = (int64_t)llround(1e9 * s->truth_interval_s);
     r->truth_k = (s->start_ns + truth_interval - 1) / truth_interval;
     return true;

@@ -27,7 +27,8 @@ typedef struct {
 
 typedef enum {
     SKY_IDEAL24, /* 24 GPS satellites in circular orbits: plane p = k/4, slot s = k%4, 26 560 km, 55 degrees (S1) */
-    SKY_MULTI    /* GPS 31, Galileo 24, BeiDou 24 MEO + 7 IGSO + 5 GEO, QZSS 4: plausible, not any day's real ones */
+    SKY_MULTI,   /* GPS 31, Galileo 24, BeiDou 24 MEO + 7 IGSO + 5 GEO, QZSS 4: plausible, not any day's real ones */
+    SKY_GEO3     /* three BeiDou GEO at 80, 110.5 and 140 degrees east (S3) */
 } sky_kind_t;
 
 typedef struct {

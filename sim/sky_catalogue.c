@@ -1,4 +1,4 @@
-/* sky_catalogue.c - two skies: an ideal one of 24 circular orbits, and a plausible one of four systems.
+/* sky_catalogue.c - three skies: 24 ideal circular orbits, a plausible one of four systems, three geostationary satellites.
  *
  * Semi-major axes, inclinations, planes and slots are the systems' published nominal ones; eccentricities, phases within a
  * slot, harmonic corrections, clocks and group delays are drawn once and for all within the range of real ones. */
@@ -156,6 +156,12 @@ static void multi(maker_t *m)
     geosynchronous(m, PEL_SYS_QZS, 3, 127.0 * WORLD_DEG, 0.3, 0.05 * WORLD_DEG, 2e-4, 1.0);
 }
 
+static void geo3(maker_t *m)
+{
+    static const double longitude[3] = {140.0, 80.0, 110.5}; /* prn as in multi() */
+    for (int k = 0; k < 3; k++) { geostationary(m, k + 1, longitude[k] * WORLD_DEG); }
+}
+
 static void ideal24(maker_t *m)
 {
     const double a = 26560e3;
@@ -178,5 +184,6 @@ void sky_catalogue(sky_t *sky, const sky_config_t *cfg, pel_time_t t)
     switch (cfg->kind) {
     case SKY_IDEAL24: ideal24(&m); break;
     case SKY_MULTI: multi(&m); break;
+    case SKY_GEO3: geo3(&m); break;
     }
 }

@@ -1,10 +1,12 @@
 """pelorus-sim as a program: repeatable, ordered in time, and plain about mistakes."""
+import struct
 import subprocess
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
-from pelorus_tools import eventlog
+from pelorus_tools import earth, eventlog, truth
 
 SCENARIOS = Path(__file__).resolve().parents[2] / "scenarios"
 LEG = SCENARIOS / "s5_leg.toml"
@@ -48,6 +50,28 @@ def test_the_start_attitude_is_drawn_with_its_stated_error(tmp_path):
     rms = [(sum(e[i] ** 2 for e in errors) / 60) ** 0.5 for i in range(3)]
     print("roll, pitch, heading error, arc seconds rms:", rms)
     assert 40 < rms[0] < 80 and 40 < rms[1] < 80 and 400 < rms[2] < 800
+
+
+def test_a_barometer_tells_the_true_height_within_its_weather(tmp_path):
+    """Frames taken apart here, by the page of wire formats; heights against the truth."""
+    assert sim(SCENARIOS / "s3_highway.toml", "-o", tmp_path / "a", "--duration", 700, "-q").returncode == 0
+    line = b"".join(data for _, name, data in events(tmp_path / "a") if name == "UART_IMU")
+    heights, at = {}, line.find(b"PL")
+    while at >= 0:
+        size = struct.unpack_from("<H", line, at + 4)[0]
+        if line[at + 2] == 3:
+            t_ns, height_mm, sd_mm, seq = struct.unpack_from("<qiHH", line, at + 6)
+            assert seq == len(heights) and sd_mm == 100
+            heights[t_ns] = height_mm / 1000
+        at = line.find(b"PL", at + size + 9)
+    assert len(heights) == 701
+    track = truth.load(tmp_path / "a")
+    where, covered = track.at(np.array(list(heights)))
+    off = (np.array(list(heights.values())) - earth.ecef_to_llh(where.r_e)[2])[covered]
+    mean, spread = off.mean(), off.std()
+    print(f"{len(off)} heights: mean {mean:.2f} m, spread {spread:.2f} m; terrain from {min(heights.values()):.0f} to {max(heights.values()):.0f} m")
+    assert len(off) > 600 and abs(mean) < 2.5 and 0.1 < spread < 2
+    assert max(heights.values()) - min(heights.values()) > 25
 
 
 def test_a_capture_can_go_to_standard_output():

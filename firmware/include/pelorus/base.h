@@ -116,6 +116,15 @@ typedef struct {
 #define PEL_IMU_ACCEL_SATURATED 0x0002u
 #define PEL_IMU_TIME_UNSYNCED   0x0004u /* time tag not disciplined to GPS */
 
+/* A barometer's height: standard atmosphere's height for the pressure, above the ellipsoid after calibration. Its error
+ * drifts with the weather by metres in minutes; sd_m is the noise of one sample. */
+typedef struct {
+    pel_time_t t_ns;
+    double height_m;
+    float sd_m;   /* > 0 */
+    uint16_t seq; /* counter of the sender, modulo 65536 */
+} pel_baro_t;
+
 /* One satellite's one carrier. Signs as RINEX: phase grows with range, Doppler is positive when approaching. */
 typedef struct {
     double P_m;       /* pseudorange, m */

@@ -9,6 +9,7 @@
 #define PELORUS_FILTER_H
 
 #include "pelorus/base.h"
+#include "pelorus/inertial.h"
 #include "pelorus/model.h"
 
 #ifdef __cplusplus
@@ -100,6 +101,25 @@ pel_status_t pel_ud_remove(pel_ud_t *ud, int i);
  * is then at j + 1. x is copied. */
 pel_status_t pel_ud_clone(pel_ud_t *ud, int j, int i, pel_real var);
 
+/* x_i := sum over k > i of a_k x_k + w, E[w^2] = var > 0: state i is forgotten and becomes a combination of states behind it (a delayed copy of
+ * the antenna, a pivot's part). a has n elements, those up to i are not read. The mean follows. n^2/2 multiply-adds.
+ * PEL_E_RANGE, PEL_E_NOT_POSDEF: ud unchanged. */
+pel_status_t pel_ud_assign(pel_ud_t *ud, int i, const pel_real a[], pel_real var);
+
+/* x_i += a x_k for i < k: exact and free, i.e. a row of U. PEL_E_RANGE unless 0 <= i < k < n. */
+pel_status_t pel_ud_combine(pel_ud_t *ud, int i, int k, pel_real a);
+
+/* Change the sign of state i. */
+pel_status_t pel_ud_negate(pel_ud_t *ud, int i);
+
+/* Exchange states i and i + 1. 4 i multiply-adds. PEL_E_RANGE unless 0 <= i, i + 1 < n. */
+pel_status_t pel_ud_swap(pel_ud_t *ud, int i);
+
+/* States first..first+n-1 are differences against a common reference, x_j = X_j - X_0; make state p the reference:
+ * x_j := X_j - X_p, and the last one X_0 - X_p in place of x_p, which goes; the states after p move up by one place. Double-difference
+ * ambiguities and between-satellite offsets when the pivot changes: nothing is lost or added. PEL_E_RANGE: ud unchanged. */
+pel_status_t pel_ud_change_reference(pel_ud_t *ud, int first, int n, int p);
+
 /* ---- health ---------------------------------------------------------------------------------------------------------------- */
 
 /* PEL_OK; PEL_E_NOT_POSDEF if a D is not > 0; PEL_E_RANGE if anything is not finite. */
@@ -136,6 +156,17 @@ pel_status_t pel_propagator_add(pel_propagator_t *p, const pel_model_t *m, const
 /* Bring ud to now: time update of what is collected, and Markov decay when due (every PEL_SLOW_S). Before rows and outputs. */
 pel_status_t pel_propagator_flush(pel_propagator_t *p, const pel_model_t *m, const double C_b_e[3][3],
                                   const double r_e[3], pel_ud_t *ud);
+
+/* The same for pel_model_ins_enu(), after pel_strapdown_enu_step(): C_start and dv_f are then those of local axes. */
+pel_status_t pel_propagator_add_enu(pel_propagator_t *p, const pel_model_t *m, const double dv_f_enu[3], double dt_s,
+                                    const pel_strapdown_enu_t *s, pel_ud_t *ud);
+pel_status_t pel_propagator_flush_enu(pel_propagator_t *p, const pel_model_t *m, const pel_strapdown_enu_t *s,
+                                      pel_ud_t *ud);
+
+/* Offsets, their rates and the height deviation over dt_s (pel_model_tdcp; blocks a model lacks are passed over): B += dt Bdot; noise of B is
+ * path_m_rts^2 dt on each satellite and once more on their common reference. Call it before an epoch's rows, dt_s below tau_height_s.
+ * PEL_E_RANGE (ud unchanged) unless dt_s > 0 and ud is of this model. 5 rank-one updates with two offsets. */
+pel_status_t pel_propagate_offsets(const pel_model_t *m, const pel_drift_model_t *drift, double dt_s, pel_ud_t *ud);
 
 /* Model without IMU: time update over dt_s (split into substeps of at most 1 s). */
 pel_status_t pel_propagate_gnss(const pel_model_t *m, const double r_e[3], double dt_s, pel_ud_t *ud);

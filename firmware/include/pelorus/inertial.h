@@ -1,6 +1,6 @@
-/* inertial.h - strapdown integration in ECEF, the ring of IMU increments, alignment. Room: inertial/.
+/* inertial.h - strapdown integration in ECEF and in local axes, the ring of IMU increments, alignment. Room: inertial/.
  *
- * Frames: e ECEF, i inertial, b body (x right, y forward, z up). Increments are those of a pel_imu_t, turned to b and
+ * Frames: e ECEF, i inertial, enu local east-north-up, b body (x right, y forward, z up). Increments are those of a pel_imu_t, turned to b and
  * corrected for sensor errors beforehand. State in double, owned by the caller; all functions are re-entrant. */
 #ifndef PELORUS_INERTIAL_H
 #define PELORUS_INERTIAL_H
@@ -26,7 +26,8 @@ typedef struct {
     double alpha[3];   /* previous angle increment, rad */
     double upsilon[3]; /* previous velocity increment, m/s */
     double dt_s;       /* its length; 0: there is none, no coning or sculling correction in the next step */
-    double dv_f_e[3];  /* output: integral of specific force over the last step, resolved in e, m/s */
+    double dv_f_e
+        [3]; /* output: integral of specific force over the last step, resolved in e, m/s (enu after pel_strapdown_enu_step) */
 } pel_coning_t;
 
 /* Forget the previous increment: at start and after a gap. */
@@ -52,6 +53,33 @@ void pel_strapdown_step(pel_strapdown_t *s, pel_coning_t *c, const double alpha[
 /* Subtract constant sensor errors from an increment: alpha - b_g dt, upsilon - b_a dt (rad/s, m/s^2). */
 void pel_imu_correct(const pel_imu_t *imu, const double b_g[3], const double b_a[3], double alpha[3],
                      double upsilon[3]);
+
+/* ---- strapdown in local axes ------------------------------------------------------------------------------------ */
+
+/* Navigation state in east-north-up axes at the IMU's own place. 128 bytes. Callers may read and write every field. */
+typedef struct {
+    pel_time_t t_ns;
+    double C_b_enu[3][3];
+    double v_eb_enu[3]; /* m/s */
+    double lat, lon, h; /* rad, lon in (-pi, pi]; m */
+} pel_strapdown_enu_t;
+
+/* Local axes end 1 degree from a pole: beyond, tan(lat) and 1/cos(lat) make heading and longitude meaningless. */
+#define PEL_ENU_MAX_LAT 1.5533430342749532 /* 89 degrees */
+
+/* Advance the state over one increment; arguments, coning and sculling as pel_strapdown_step().
+ *
+ * Rates of the local axes, Coriolis and gravity at mid step, position by the trapezoid of velocity with the radii at mid step:
+ * second order in dt_s. Gravity is pel_earth_gravity_e(), as in ECEF, so that both give the same path.
+ * PEL_E_RANGE, s and c unchanged: the step would end beyond PEL_ENU_MAX_LAT, or a number is not finite. Go on in ECEF
+ * (pel_strapdown_from_enu). Longitude goes on at -pi after pi. About 450 flops, two square roots, one sine and cosine.
+ * Sources: Groves (2013) 5.4; S2 section 5. */
+pel_status_t pel_strapdown_enu_step(pel_strapdown_enu_t *s, pel_coning_t *c, const double alpha[3],
+                                    const double upsilon[3], double dt_s, pel_time_t t_end);
+
+/* The same state in the other frame. To enu: PEL_E_RANGE and out unchanged beyond PEL_ENU_MAX_LAT. */
+pel_status_t pel_strapdown_to_enu(const pel_strapdown_t *s, pel_strapdown_enu_t *out);
+void pel_strapdown_from_enu(const pel_strapdown_enu_t *s, pel_strapdown_t *out);
 
 /* ---- ring of increments ----------------------------------------------------------------------------------------- */
 

@@ -23,6 +23,7 @@ typedef struct {
     double tau_gm_s;      /* and its time constant, >= 10 s */
     double sd_am_mps2;    /* accelerometer Markov, stationary 1 sigma */
     double tau_am_s;      /* >= 10 s */
+    double sd_ba_mps2;    /* accelerometer constant, 1 sigma, in models that have one */
     double accel_psd_rts; /* model without IMU: white acceleration, m/s^2 sqrt(s) = m/s/sqrt(s) per axis */
 } pel_imu_model_t;
 
@@ -42,14 +43,17 @@ typedef enum {
     PEL_BLOCK_ACCEL_MARKOV = 3,   /* m/s^2, b */
     PEL_BLOCK_LEVER_ARM = 4,      /* m, b */
     PEL_BLOCK_CLONE = 5,          /* copies of earlier states */
-    PEL_BLOCK_ATTITUDE = 6,       /* psi, rad, e */
+    PEL_BLOCK_ATTITUDE = 6,       /* psi, rad, e (enu in the local model, also the next two) */
     PEL_BLOCK_VELOCITY = 7,       /* m/s, e */
     PEL_BLOCK_POSITION = 8,       /* m, e */
     PEL_BLOCK_AMBIGUITY = 9,      /* cycles */
-    PEL_N_BLOCK = 10
+    PEL_BLOCK_OFFSET = 10,        /* between-satellite phase offsets: ambiguity, clocks and path, m */
+    PEL_BLOCK_OFFSET_RATE = 11,   /* their rates, m/s */
+    PEL_BLOCK_HEIGHT = 12,        /* estimated minus true deviation of the height reference (terrain, barometer), m */
+    PEL_N_BLOCK = 13
 } pel_block_t;
 
-/* Which states there are. 4 + 20 + 64 bytes. Read freely; change through the functions. */
+/* Which states there are. 4 + 26 + 72 bytes. Read freely; change through the functions. */
 typedef struct {
     int n;                      /* states in all */
     uint8_t first[PEL_N_BLOCK]; /* index of a block's first state */
@@ -60,8 +64,31 @@ typedef struct {
 /* The 18 states of S5: gyro constant 0..2, gyro Markov 3..5, accelerometer Markov 6..8, psi 9..11, v 12..14, r 15..17. */
 void pel_model_ins_ecef(pel_model_t *m, const pel_imu_model_t *imu);
 
+/* The 18 states of S2 in the same order, psi, v and r resolved in local axes. Ambiguities are appended (S2: 6, 24 states in all).
+ * Position error in metres: r = ((R_N + h) cos(lat) dlon, (R_M + h) dlat, dh), which keeps factors near those of ECEF. */
+void pel_model_ins_enu(pel_model_t *m, const pel_imu_model_t *imu);
+
 /* Without IMU: v 0..2, r 3..5, driven by white acceleration imu->accel_psd_rts. */
 void pel_model_gnss(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* S3: gyro constant 0..2, accelerometer constant 3..5, psi 6..8, v 9..11, r 12..14, offsets (n, 1 or more), their rates (n), height
+ * deviation: 16 + 2 n states, 20 with three satellites. n is cut to what PEL_MAX_STATES holds. */
+void pel_model_tdcp(pel_model_t *m, const pel_imu_model_t *imu, int n_offsets);
+
+/* The same with the antenna's error at the previous epoch in place of offsets (S3 6.2a): gyro, accelerometer, clone 6..8, psi, v, r, height. */
+void pel_model_tdcp_cloned(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* Reference mode only: the 12 states of S3's paper, gyro, accelerometer, psi, v. No position, no gravity gradient: for comparison with what was
+ * published, and worse than pel_model_tdcp() by a factor of six (docs/PRESETS.md). */
+void pel_model_tdcp_paper(pel_model_t *m, const pel_imu_model_t *imu);
+
+/* What drives offsets, their rates and the height deviation. */
+typedef struct {
+    double path_m_rts;        /* random walk of one satellite's path and clock, m/sqrt(s) */
+    double rate_walk_mps_rts; /* random walk of an offset's rate, m/s/sqrt(s) */
+    double sd_height_m;       /* height deviation: first-order Markov, stationary 1 sigma */
+    double tau_height_s;      /* and its time constant, s */
+} pel_drift_model_t;
 
 /* Append a block at the end. PEL_E_FULL beyond PEL_MAX_STATES, PEL_E_RANGE if the block is there already or size < 1. */
 pel_status_t pel_model_append(pel_model_t *m, pel_block_t block, int size);
@@ -74,7 +101,7 @@ void pel_model_sensor_sd(const pel_model_t *m, pel_real sd[PEL_MAX_STATES]);
 
 /* ---- transition ---------------------------------------------------------------------------------------------------- */
 
-#define PEL_MAX_PHI_BLOCKS 15 /* 13 of the 18 states, 2 more with an accelerometer constant */
+#define PEL_MAX_PHI_BLOCKS 17 /* 15 of the 18 states in local axes, 2 more with an accelerometer constant */
 
 /* Phi = I + sum of 3x3 blocks, and diagonal noise. What Phi adds to I is stored, not Phi: the float digits go to what is small.
  * Blocks are sorted by row. 18 states: about 700 bytes. */
@@ -96,9 +123,20 @@ typedef struct {
  *  r_e    in  position, m
  *
  * F (S5 section 4):  psi' = -W psi + C (bg + gm)   v' = -2 W v - [f x] psi + C am + G r   r' = v,  W = [omega_ie x],
- * G = gravity gradient. Noise: arw^2 dt on psi, vrw^2 dt (or accel_psd^2 dt) on v: equal on the three axes, so the same in e. */
+ * G = gravity gradient. Noise: arw^2 dt on psi, vrw^2 dt (or accel_psd^2 dt) on v: equal on the three axes, so the same in e.
+ * A model without position has neither G nor the last row. */
 void pel_model_transition(const pel_model_t *m, const double f_e[3], const double C_b_e[3][3], const double r_e[3],
                           double dt_s, pel_transition_t *t);
+
+/* The same for pel_model_ins_enu(): all vectors in local axes, v_enu in m/s, |lat| below 89 degrees (rad), h in m.
+ *
+ * F (S2 section 6 corrected, in the house's sign and metres: docs/PRESETS.md), w_en = (-vN/M, vE/N, vE tan/N), w_in = w_ie + w_en:
+ *   psi' = -w_in x psi + C (bg + gm) - dw_in          v' = -[f x] psi + C am - (w_in + w_ie) x dv + v x (dw_in + dw_ie) + (0, 0, g' dh)
+ *   r' = dv + ((vU - vN tan)/N rE + vE tan/N rN - vE/N rU,  vU/M rN - vN/M rU,  0)
+ * with dw the changes of the rates with velocity and position. Left out: derivatives of R_M, R_N and g by latitude.
+ * Noise as above. About 500 flops, one sine and cosine. */
+void pel_model_transition_enu(const pel_model_t *m, const double f_enu[3], const double C_b_enu[3][3],
+                              const double v_enu[3], double lat, double h, double dt_s, pel_transition_t *t);
 
 /* Decay and noise of the Markov states over dt_s: call it every second or so. At 0.05 s the decay of an hour's Markov process,
  * 1 - 1.4e-5, keeps only 8 bits in float, at 1 s 13. decay[i] = exp(-dt/tau) - 1 (0 for other states), q[i] = sd^2 (1 - exp(-2 dt/tau)).

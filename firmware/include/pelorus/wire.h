@@ -75,12 +75,13 @@ pel_rx_event_t pel_receiver_push(pel_receiver_t *rx, uint8_t byte);
 /* End of input: gives what is still held (frames behind an unfinished one, an epoch whose last message was lost). Call until PEL_RX_NONE. */
 pel_rx_event_t pel_receiver_flush(pel_receiver_t *rx);
 
-/* ---- IMU stream: Pelorus IMU and event mark frames, NovAtel RAWIMUSX -------------------------------------------------- */
+/* ---- IMU stream: Pelorus IMU, event mark and barometer frames, NovAtel RAWIMUSX -------------------------------------------------- */
 
 typedef enum {
     PEL_IMU_NONE = 0,
-    PEL_IMU_SAMPLE,    /* s->imu */
-    PEL_IMU_EVENT_MARK /* s->mark_t_ns, s->mark_id */
+    PEL_IMU_SAMPLE,     /* s->imu */
+    PEL_IMU_EVENT_MARK, /* s->mark_t_ns, s->mark_id */
+    PEL_IMU_BARO        /* s->baro */
 } pel_imu_event_t;
 
 #define PEL_IMU_FRAME_MAX 96
@@ -89,6 +90,7 @@ typedef struct pel_imu_stream_t {
     pel_imu_t imu;
     pel_time_t mark_t_ns;
     uint32_t mark_id;
+    pel_baro_t baro;
     pel_wire_counters_t counters;
     /* private from here */
     double gyro_scale_rad, accel_scale_mps, raw_dt_s; /* RAWIMUSX units; 0: by its IMU type byte */
@@ -117,6 +119,9 @@ size_t pel_imu_encode(const pel_imu_t *imu, uint8_t *out, size_t cap);
 
 /* Event mark at t. 21 bytes. */
 size_t pel_event_mark_encode(pel_time_t t, uint32_t id, uint8_t *out, size_t cap);
+
+/* Barometer sample. |height| < 100 km, 1 mm < sd < 65 m. 25 bytes. */
+size_t pel_baro_encode(const pel_baro_t *b, uint8_t *out, size_t cap);
 
 /* NovAtel RAWIMUSX: increments in counts of the given units; x right, y forward, z up. 56 bytes. */
 size_t pel_rawimusx_encode(const pel_imu_t *imu, uint8_t imu_type, double gyro_scale_rad, double accel_scale_mps,
@@ -151,6 +156,7 @@ size_t pel_rtcm3_encode_1004(const pel_epoch_t *e, uint16_t station, bool more, 
 typedef enum {
     PEL_OUT_IMU = 0x01,        /* input */
     PEL_OUT_EVENT_MARK = 0x02, /* input */
+    PEL_OUT_BARO = 0x03,       /* input */
     PEL_OUT_SOLUTION = 0x10,
     PEL_OUT_USED = 0x11,
     PEL_OUT_COUNTERS = 0x12,

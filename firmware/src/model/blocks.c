@@ -19,12 +19,23 @@ pel_status_t pel_model_append(pel_model_t *m, pel_block_t block, int size)
     return PEL_OK;
 }
 
+/* n blocks of three states in this order. */
+static void list(pel_model_t *m, const pel_imu_model_t *imu, const pel_block_t order[], size_t n)
+{
+    clear(m, imu);
+    for (size_t k = 0; k < n; k++) { (void)pel_model_append(m, order[k], 3); }
+}
+
 void pel_model_ins_ecef(pel_model_t *m, const pel_imu_model_t *imu)
 {
     static const pel_block_t order[] = {PEL_BLOCK_GYRO_CONSTANT, PEL_BLOCK_GYRO_MARKOV, PEL_BLOCK_ACCEL_MARKOV,
                                         PEL_BLOCK_ATTITUDE,      PEL_BLOCK_VELOCITY,    PEL_BLOCK_POSITION};
-    clear(m, imu);
-    for (size_t k = 0; k < sizeof order / sizeof order[0]; k++) { (void)pel_model_append(m, order[k], 3); }
+    list(m, imu, order, sizeof order / sizeof order[0]);
+}
+
+void pel_model_ins_enu(pel_model_t *m, const pel_imu_model_t *imu)
+{
+    pel_model_ins_ecef(m, imu); /* the blocks are the same: the frame is that of the transition */
 }
 
 void pel_model_gnss(pel_model_t *m, const pel_imu_model_t *imu)
@@ -32,6 +43,33 @@ void pel_model_gnss(pel_model_t *m, const pel_imu_model_t *imu)
     clear(m, imu);
     (void)pel_model_append(m, PEL_BLOCK_VELOCITY, 3);
     (void)pel_model_append(m, PEL_BLOCK_POSITION, 3);
+}
+
+void pel_model_tdcp(pel_model_t *m, const pel_imu_model_t *imu, int n_offsets)
+{
+    static const pel_block_t order[] = {PEL_BLOCK_GYRO_CONSTANT, PEL_BLOCK_ACCEL_CONSTANT, PEL_BLOCK_ATTITUDE,
+                                        PEL_BLOCK_VELOCITY, PEL_BLOCK_POSITION};
+    const int most = (PEL_MAX_STATES - 16) / 2;
+    const int n = (n_offsets < 1) ? 1 : ((n_offsets > most) ? most : n_offsets);
+    list(m, imu, order, sizeof order / sizeof order[0]);
+    (void)pel_model_append(m, PEL_BLOCK_OFFSET, n);
+    (void)pel_model_append(m, PEL_BLOCK_OFFSET_RATE, n);
+    (void)pel_model_append(m, PEL_BLOCK_HEIGHT, 1);
+}
+
+void pel_model_tdcp_cloned(pel_model_t *m, const pel_imu_model_t *imu)
+{
+    static const pel_block_t order[] = {PEL_BLOCK_GYRO_CONSTANT, PEL_BLOCK_ACCEL_CONSTANT, PEL_BLOCK_CLONE,
+                                        PEL_BLOCK_ATTITUDE,      PEL_BLOCK_VELOCITY,       PEL_BLOCK_POSITION};
+    list(m, imu, order, sizeof order / sizeof order[0]);
+    (void)pel_model_append(m, PEL_BLOCK_HEIGHT, 1);
+}
+
+void pel_model_tdcp_paper(pel_model_t *m, const pel_imu_model_t *imu)
+{
+    static const pel_block_t order[] = {PEL_BLOCK_GYRO_CONSTANT, PEL_BLOCK_ACCEL_CONSTANT, PEL_BLOCK_ATTITUDE,
+                                        PEL_BLOCK_VELOCITY};
+    list(m, imu, order, sizeof order / sizeof order[0]);
 }
 
 int pel_model_index(const pel_model_t *m, pel_block_t block)
@@ -47,6 +85,9 @@ void pel_model_sensor_sd(const pel_model_t *m, pel_real sd[PEL_MAX_STATES])
         }
         if (m->size[PEL_BLOCK_GYRO_MARKOV] != 0) {
             sd[m->first[PEL_BLOCK_GYRO_MARKOV] + i] = (pel_real)m->imu.sd_gm_radps;
+        }
+        if (m->size[PEL_BLOCK_ACCEL_CONSTANT] != 0) {
+            sd[m->first[PEL_BLOCK_ACCEL_CONSTANT] + i] = (pel_real)m->imu.sd_ba_mps2;
         }
         if (m->size[PEL_BLOCK_ACCEL_MARKOV] != 0) {
             sd[m->first[PEL_BLOCK_ACCEL_MARKOV] + i] = (pel_real)m->imu.sd_am_mps2;

@@ -104,7 +104,7 @@ static void velocity_rows(const pel_model_t *m, const pel_real *f, const mat3 C,
     for (int i = 0; i < 3; i++) {
         for (int j = 0; j < 3; j++) { (*vv)[i][j] += half * G[i][j]; }
     }
-    combine(dt, G, PEL_R(-2.0) * half, G, *add_block(t, v, r));
+    if (r >= 0) { combine(dt, G, PEL_R(-2.0) * half, G, *add_block(t, v, r)); }
 }
 
 /* r' = v; second order: -2 W v, -[f x] psi, C am, G r */
@@ -134,10 +134,11 @@ void pel_model_transition(const pel_model_t *m, const double f_e[3], const doubl
 {
     const int psi = pel_model_index(m, PEL_BLOCK_ATTITUDE);
     const int v = pel_model_index(m, PEL_BLOCK_VELOCITY);
+    const bool has_r = pel_model_index(m, PEL_BLOCK_POSITION) >= 0;
     const pel_real dt = (pel_real)dt_s;
     pel_real f[3] = {PEL_R(0.0), PEL_R(0.0), PEL_R(0.0)};
     mat3 C = {{PEL_R(0.0)}};
-    mat3 G;
+    mat3 G = {{PEL_R(0.0)}};
 
     t->n = m->n;
     t->n_blocks = 0;
@@ -146,10 +147,10 @@ void pel_model_transition(const pel_model_t *m, const double f_e[3], const doubl
         f[i] = (pel_real)f_e[i];
         for (int j = 0; j < 3; j++) { C[i][j] = (pel_real)C_b_e[i][j]; }
     }
-    gradient(r_e, G);
+    if (has_r) { gradient(r_e, G); }
     if (psi >= 0) { attitude_rows(m, C, dt, t); }
     velocity_rows(m, f, C, G, dt, t);
-    position_rows(m, f, C, G, dt, t);
+    if (has_r) { position_rows(m, f, C, G, dt, t); }
 
     const double white_v = (psi >= 0) ? m->imu.vrw_mps_rts : m->imu.accel_psd_rts;
     for (int i = 0; i < 3; i++) {

@@ -40,28 +40,52 @@ static pel_imu_event_t give(pel_imu_stream_t *s, const pel_imu_t *imu, bool has_
     return PEL_IMU_SAMPLE;
 }
 
+/* Payload length of an input frame; 0: no such frame. */
+static size_t payload_of(uint8_t id)
+{
+    switch (id) {
+    case PEL_OUT_IMU: return PEL_IMU_PAYLOAD;
+    case PEL_OUT_EVENT_MARK: return PEL_MARK_PAYLOAD;
+    case PEL_OUT_BARO: return PEL_BARO_PAYLOAD;
+    default: return 0;
+    }
+}
+
+static bool decode_mark(const uint8_t *payload, pel_imu_stream_t *s)
+{
+    const pel_time_t t_ns = pel_le_s(payload, 8);
+    if (t_ns <= 0 || t_ns >= PEL_TIME_LAST) { return false; }
+    s->mark_t_ns = t_ns;
+    s->mark_id = (uint32_t)pel_le_u(payload + 8, 4);
+    return true;
+}
+
 static pel_imu_event_t pelorus_frame(pel_imu_stream_t *s, const uint8_t *f, size_t n)
 {
     const size_t n_payload = n - PEL_OUT_OVERHEAD;
-    if (f[2] != PEL_OUT_IMU && f[2] != PEL_OUT_EVENT_MARK) {
+    const uint8_t id = f[2];
+    pel_imu_t imu = {0};
+    pel_baro_t baro = {0};
+    if (payload_of(id) == 0) {
         s->counters.unknown++;
         return PEL_IMU_NONE;
     }
-    if (f[3] != PEL_OUT_VERSION || n_payload != ((f[2] == PEL_OUT_IMU) ? PEL_IMU_PAYLOAD : PEL_MARK_PAYLOAD)) {
+    if (f[3] != PEL_OUT_VERSION || n_payload != payload_of(id)) {
         s->counters.bad_length++;
         return PEL_IMU_NONE;
     }
-    pel_imu_t imu;
-    const pel_time_t mark_t_ns = pel_le_s(f + 6, 8);
-    if ((f[2] == PEL_OUT_IMU) ? !pel_imu_decode(f + 6, &imu) : (mark_t_ns <= 0 || mark_t_ns >= PEL_TIME_LAST)) {
+    const bool good = (id == PEL_OUT_IMU)    ? pel_imu_decode(f + 6, &imu)
+                      : (id == PEL_OUT_BARO) ? pel_baro_decode(f + 6, &baro)
+                                             : decode_mark(f + 6, s);
+    if (!good) {
         s->counters.bad_value++;
         return PEL_IMU_NONE;
     }
     s->counters.frames++;
-    if (f[2] == PEL_OUT_IMU) { return give(s, &imu, true); }
-    s->mark_t_ns = mark_t_ns;
-    s->mark_id = (uint32_t)pel_le_u(f + 14, 4);
-    return PEL_IMU_EVENT_MARK;
+    if (id == PEL_OUT_IMU) { return give(s, &imu, true); }
+    if (id == PEL_OUT_EVENT_MARK) { return PEL_IMU_EVENT_MARK; }
+    s->baro = baro;
+    return PEL_IMU_BARO;
 }
 
 static pel_imu_event_t novatel_frame(pel_imu_stream_t *s, const uint8_t *f, size_t n)

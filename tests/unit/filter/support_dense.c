@@ -20,6 +20,27 @@ double random_normal(random_t *r)
     return sqrt(-2.0 * log(u)) * cos(v);
 }
 
+void random_filter(random_t *r, int n, pel_ud_t *ud, dense_t *d)
+{
+    pel_real sd[PEL_MAX_STATES] = {0};
+    for (int i = 0; i < n; i++) { sd[i] = (pel_real)pow(10.0, random_uniform(r, -2.0, 1.0)); }
+    (void)pel_ud_init(ud, n, sd);
+    for (int k = 0; k < n * (n - 1) / 2; k++) { ud->U[k] = (pel_real)random_uniform(r, -1.0, 1.0); }
+    memset(d, 0, sizeof *d);
+    d->n = n;
+    for (int i = 0; i < n; i++) {
+        ud->x[i] = (pel_real)random_normal(r);
+        d->x[i] = (double)ud->x[i];
+        for (int j = 0; j < n; j++) {
+            for (int k = (i > j) ? i : j; k < n; k++) {
+                const double a = (i == k) ? 1.0 : (double)ud->U[k * (k - 1) / 2 + i];
+                const double b = (j == k) ? 1.0 : (double)ud->U[k * (k - 1) / 2 + j];
+                d->P[i][j] += a * b * (double)ud->D[k];
+            }
+        }
+    }
+}
+
 void dense_init(dense_t *d, int n, const double sd[])
 {
     memset(d, 0, sizeof *d);

@@ -19,6 +19,9 @@ typedef struct {
 double random_uniform(random_t *r, double lo, double hi);
 double random_normal(random_t *r);
 
+/* A random filter and its dense twin: unit upper triangular U with elements of order 1, D over six decades. */
+void random_filter(random_t *r, int n, pel_ud_t *ud, dense_t *d);
+
 void dense_init(dense_t *d, int n, const double sd[]);
 
 /* P = Phi P Phi' + Q, x = Phi x, with Phi a full matrix. */

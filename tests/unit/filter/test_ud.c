@@ -16,35 +16,13 @@ void tearDown(void) {}
 
 static random_t rng = {1};
 
-/* A random filter and its dense twin: unit upper triangular U with elements of order 1, D over six decades. */
-static void random_filter(int n, pel_ud_t *ud, dense_t *d)
-{
-    pel_real sd[PEL_MAX_STATES];
-    for (int i = 0; i < n; i++) { sd[i] = (pel_real)pow(10.0, random_uniform(&rng, -2.0, 1.0)); }
-    TEST_ASSERT_EQUAL(PEL_OK, pel_ud_init(ud, n, sd));
-    for (int k = 0; k < n * (n - 1) / 2; k++) { ud->U[k] = (pel_real)random_uniform(&rng, -1.0, 1.0); }
-    memset(d, 0, sizeof *d);
-    d->n = n;
-    for (int i = 0; i < n; i++) {
-        ud->x[i] = (pel_real)random_normal(&rng);
-        d->x[i] = (double)ud->x[i];
-        for (int j = 0; j < n; j++) {
-            for (int k = (i > j) ? i : j; k < n; k++) {
-                const double a = (i == k) ? 1.0 : (double)ud->U[k * (k - 1) / 2 + i];
-                const double b = (j == k) ? 1.0 : (double)ud->U[k * (k - 1) / 2 + j];
-                d->P[i][j] += a * b * (double)ud->D[k];
-            }
-        }
-    }
-}
-
 static void covariances_are_read_back(void)
 {
     pel_ud_t ud;
     dense_t d;
     for (int k = 0; k < 50; k++) {
         const int n = 1 + k % PEL_MAX_STATES;
-        random_filter(n, &ud, &d);
+        random_filter(&rng, n, &ud, &d);
         TEST_ASSERT_TRUE(dense_compare(&d, &ud, NULL) < TOL);
         pel_real h[PEL_MAX_STATES];
         pel_real Ph[PEL_MAX_STATES];
@@ -82,7 +60,7 @@ static void time_updates_match_the_dense_filter(void)
         const int n = 6 + trial % (PEL_MAX_STATES - 5);
         const int moving = (n < PEL_UD_MAX_MOVING) ? n : PEL_UD_MAX_MOVING;
         const int groups = n / 3;
-        random_filter(n, &ud, &d);
+        random_filter(&rng, n, &ud, &d);
         t.n = n;
         const int n_blocks = (int)random_uniform(&rng, 0.0, 13.0);
         for (int k = 0; k < n_blocks; k++) {
@@ -121,7 +99,7 @@ static void measurement_updates_match_the_dense_filter(void)
         pel_ud_t ud;
         dense_t d;
         const int n = 1 + trial % PEL_MAX_STATES;
-        random_filter(n, &ud, &d);
+        random_filter(&rng, n, &ud, &d);
         for (int k = 0; k < 4; k++) {
             pel_real h[PEL_MAX_STATES];
             double hd[PEL_MAX_STATES];
@@ -157,7 +135,7 @@ static void a_rejected_row_leaves_the_filter_untouched(void)
 {
     pel_ud_t ud;
     dense_t d;
-    random_filter(10, &ud, &d);
+    random_filter(&rng, 10, &ud, &d);
     const pel_ud_t before = ud;
     pel_real h[PEL_MAX_STATES] = {0};
     h[9] = PEL_R(1.0);
@@ -214,7 +192,7 @@ static void states_come_and_go_as_in_dense_algebra(void)
         pel_ud_t ud;
         dense_t d;
         const int n = 4 + trial % (PEL_MAX_STATES - 4);
-        random_filter(n, &ud, &d);
+        random_filter(&rng, n, &ud, &d);
         const int s = (int)random_uniform(&rng, 0.0, (double)n);
         const pel_real var = (pel_real)random_uniform(&rng, 0.1, 4.0);
         switch (trial % 5) {
@@ -275,7 +253,7 @@ static void states_come_and_go_as_in_dense_algebra(void)
 
     pel_ud_t full;
     dense_t d;
-    random_filter(PEL_MAX_STATES, &full, &d);
+    random_filter(&rng, PEL_MAX_STATES, &full, &d);
     const pel_ud_t before = full;
     const double bad[3][3] = {{1.0, 2.0, 0.0}, {2.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     TEST_ASSERT_EQUAL(PEL_E_FULL, pel_ud_insert(&full, 0, PEL_R(1.0)));
@@ -297,7 +275,7 @@ static void markov_states_decay(void)
         pel_real q[PEL_MAX_STATES];
         double Phi[DENSE_MAX][DENSE_MAX] = {{0}};
         double qd[DENSE_MAX];
-        random_filter(n, &ud, &d);
+        random_filter(&rng, n, &ud, &d);
         for (int i = 0; i < n; i++) {
             decay[i] = (i % 3 == 0) ? PEL_R(0.0) : (pel_real)random_uniform(&rng, -0.5, 0.0);
             q[i] = (i % 4 == 0) ? (pel_real)random_uniform(&rng, 0.0, 1.0) : PEL_R(0.0);
@@ -316,7 +294,7 @@ static void the_hash_sees_every_number_and_no_padding(void)
 {
     pel_ud_t ud;
     dense_t d;
-    random_filter(9, &ud, &d);
+    random_filter(&rng, 9, &ud, &d);
     const uint32_t h = pel_ud_hash(&ud, PEL_FNV_START);
     pel_ud_t other = ud;
     other.U[36] = PEL_R(99.0); /* beyond 9 states */
@@ -335,7 +313,7 @@ static void lost_factors_are_noticed(void)
 {
     pel_ud_t ud;
     dense_t d;
-    random_filter(9, &ud, &d);
+    random_filter(&rng, 9, &ud, &d);
     TEST_ASSERT_EQUAL(PEL_OK, pel_ud_check(&ud));
     ud.D[4] = PEL_R(0.0);
     TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_check(&ud));
@@ -345,7 +323,7 @@ static void lost_factors_are_noticed(void)
     TEST_ASSERT_EQUAL(PEL_OK, pel_ud_time_update(&ud, &t)); /* touches nothing */
     t.q[4] = PEL_R(1.0);
     TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_ud_time_update(&ud, &t));
-    random_filter(PEL_MAX_STATES, &ud, &d);
+    random_filter(&rng, PEL_MAX_STATES, &ud, &d);
     t = (pel_transition_t){.n = PEL_MAX_STATES};
     t.q[PEL_MAX_STATES - 1] = PEL_R(1.0);
     const pel_ud_t before = ud;

@@ -312,6 +312,57 @@ static void signals_and_satellites_are_named_as_in_rinex(void)
     TEST_ASSERT_FALSE(selector_parse("", &w));
 }
 
+/* S3's three transmitters as seen from Changsha. */
+static void three_geostationary_satellites_stand_where_they_should(void)
+{
+    static const double elevation_deg[3] = {46.0, 41.0, 57.0};
+    const double changsha[3] = {28.22 * WORLD_DEG, 112.99 * WORLD_DEG, 50.0};
+    double r_a[3];
+    make_sky(SKY_GEO3, false);
+    TEST_ASSERT_EQUAL_INT(3, sky.n);
+    world_llh_to_ecef(changsha, r_a);
+    for (int i = 0; i < 3; i++) {
+        sat_state_t s;
+        double u[3], az, el;
+        sky_state(&sky.sats[i], start, 0.0, &s);
+        for (int k = 0; k < 3; k++) { u[k] = s.r_e[k] - r_a[k]; }
+        const double range = sqrt(dot(u, u));
+        for (int k = 0; k < 3; k++) { u[k] /= range; }
+        world_azel(changsha[0], changsha[1], u, &az, &el);
+        TEST_ASSERT_DOUBLE_WITHIN(1.0, elevation_deg[i], el / WORLD_DEG);
+    }
+}
+
+/* Two receivers of one seed, one with drifting paths: what differs is the same on code and phase, its rate on Doppler, and the receivers' noise stays. */
+static void a_drifting_path_is_the_same_on_code_phase_and_doppler(void)
+{
+    pel_epoch_t still[2], drifting[2];
+    config.phase_m = 0.003;
+    for (int run = 0; run < 2; run++) {
+        config.path_walk_m = (run == 0) ? 0.0 : 2e-4;
+        config.path_rate_mps = (run == 0) ? 0.0 : 0.02;
+        config.path_accel_mps2 = (run == 0) ? 0.0 : 1e-5;
+        begin();
+        for (int k = 0; k <= 100; k++) {
+            receiver_epoch(receiver, &epoch);
+            if (k == 0) { *((run == 0) ? &still[0] : &drifting[0]) = epoch; }
+        }
+        *((run == 0) ? &still[1] : &drifting[1]) = epoch;
+    }
+    double sum = 0.0;
+    for (int i = 0; i < epoch.n; i++) {
+        const pel_obs_t *a = &still[1].obs[i], *b = &drifting[1].obs[i];
+        const double lambda = WORLD_C / pel_carrier_hz(PEL_SYS_GPS, (pel_carrier_t)a->carrier, 0);
+        const double code = b->P_m - a->P_m;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, code, lambda * (b->L_cyc - a->L_cyc));
+        const double rate = -lambda * (double)(b->D_hz - a->D_hz);
+        TEST_ASSERT_DOUBLE_WITHIN(0.1, code, 100.0 * rate); /* the acceleration and the walk make up the rest */
+        sum += code * code;
+    }
+    TEST_ASSERT_TRUE(sqrt(sum / epoch.n) > 0.5 && sqrt(sum / epoch.n) < 5.0); /* 2 m rms after 100 s */
+    TEST_ASSERT_DOUBLE_WITHIN(1e-6, still[0].obs[0].P_m, drifting[0].obs[0].P_m);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -328,5 +379,7 @@ int main(void)
     RUN_TEST(an_unresolved_half_cycle_is_flagged_until_it_is_known);
     RUN_TEST(the_clock_is_steered_by_whole_milliseconds);
     RUN_TEST(signals_and_satellites_are_named_as_in_rinex);
+    RUN_TEST(three_geostationary_satellites_stand_where_they_should);
+    RUN_TEST(a_drifting_path_is_the_same_on_code_phase_and_doppler);
     return UNITY_END();
 }

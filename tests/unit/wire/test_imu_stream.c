@@ -139,6 +139,36 @@ static void event_marks_pass_between_samples(void)
     TEST_ASSERT_EQUAL_UINT32(0, s.counters.gap);
 }
 
+static void barometer_samples_pass_between_and_keep_their_millimetres(void)
+{
+    static const uint8_t EXPECTED[22] = {'P', 'L', 0x03, 1,    16,   0,    8,    7,    6,    5,    4,
+                                         3,   2,   1,    0x85, 0xFF, 0xFF, 0xFF, 0xE8, 0x03, 0x22, 0x11};
+    pel_baro_t b = {.t_ns = INT64_C(0x0102030405060708), .height_m = -0.1234, .sd_m = 1.0f, .seq = 0x1122};
+    TEST_ASSERT_EQUAL_size_t(25, pel_baro_encode(&b, frame, sizeof frame));
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(EXPECTED, frame, sizeof EXPECTED);
+    TEST_ASSERT_EQUAL_INT(1, push_sample(1));
+    TEST_ASSERT_EQUAL_INT(1, push(frame, pel_baro_encode(&b, frame, sizeof frame), PEL_IMU_BARO));
+    TEST_ASSERT_EQUAL_INT64(b.t_ns, s.baro.t_ns);
+    TEST_ASSERT_DOUBLE_WITHIN(5.01e-4, b.height_m, s.baro.height_m);
+    TEST_ASSERT_FLOAT_WITHIN(1e-6f, 1.0f, s.baro.sd_m);
+    TEST_ASSERT_EQUAL_HEX16(0x1122, s.baro.seq);
+    TEST_ASSERT_EQUAL_INT(1, push_sample(2));
+    TEST_ASSERT_EQUAL_UINT32(0, s.counters.gap);
+    const pel_baro_t before = s.baro;
+    (void)pel_baro_encode(&b, frame, sizeof frame);
+    pel_le_put(frame + 18, 2, 0); /* no noise */
+    TEST_ASSERT_EQUAL_INT(0, push(frame, pel_out_seal(PEL_OUT_BARO, 16, frame, sizeof frame), PEL_IMU_BARO));
+    TEST_ASSERT_EQUAL_INT(0, push(frame, pel_out_seal(PEL_OUT_BARO, 12, frame, sizeof frame), PEL_IMU_BARO));
+    TEST_ASSERT_EQUAL_UINT32(1, s.counters.bad_value);
+    TEST_ASSERT_EQUAL_UINT32(1, s.counters.bad_length);
+    TEST_ASSERT_EQUAL_MEMORY(&before, &s.baro, sizeof before);
+    const double zero = s.gyro_scale_rad;
+    b.height_m = zero / zero;
+    TEST_ASSERT_EQUAL_size_t(0, pel_baro_encode(&b, frame, sizeof frame));
+    b.height_m = 1e5;
+    TEST_ASSERT_EQUAL_size_t(0, pel_baro_encode(&b, frame, sizeof frame));
+}
+
 static int push_raw(int i, uint8_t type)
 {
     pel_imu_t m = sample(5 * i);
@@ -184,6 +214,7 @@ int main(void)
     RUN_TEST(a_cut_frame_does_not_cost_the_next_ones);
     RUN_TEST(impossible_increments_are_refused_both_ways);
     RUN_TEST(event_marks_pass_between_samples);
+    RUN_TEST(barometer_samples_pass_between_and_keep_their_millimetres);
     RUN_TEST(rawimusx_takes_units_from_the_type_or_from_the_caller);
     RUN_TEST(a_million_random_bytes_give_nothing);
     return UNITY_END();
