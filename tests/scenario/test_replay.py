@@ -118,6 +118,15 @@ def test_ten_seconds_without_gnss_cost_no_more_than_that(rows):
     assert rows["galway-walk-20181009"]["ours"]["refix_s"] <= 60.0
 
 
+def test_pillars_are_found_and_no_fix_is_false(rows):
+    f = rows["valencia-pillars-2016"]["ours"]
+    assert f["fixed"] == 3 and f["wrong"] == 0 and f["pillar_mm"] < 10.0
+
+
+def test_a_canyon_without_a_base_claims_no_fix(rows):
+    assert rows["hongkong-urban-2019"]["ours"]["fixed"] == 0
+
+
 def test_half_cycles_and_few_satellites_give_an_honest_float(rows):
     r = rows["yamatogawa-kinematic-2010"]
     assert r["ours"]["epochs"] == 203 and r["ours"]["fixed"] == 0
