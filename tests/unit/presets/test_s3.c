@@ -143,13 +143,15 @@ static void align(system_t *x, const double C_b_enu[3][3], const double C_e_enu[
     }
 }
 
-static void start(system_t *x, const scenario_t *sc, const motion_t *m, carried_imu_t *imu, bool paper)
+static void start(system_t *x, const scenario_t *sc, const motion_t *m, carried_imu_t *imu,
+                  const pel_path_t path[PAIRS], bool paper)
 {
     state_t truth;
     double C_e_enu[3][3], C_b_enu[3][3], psi_enu[3], psi[3], e_a[3], e_g[3];
     pel_real sd[PEL_MAX_STATES] = {PEL_R(0.0)};
     memset(x, 0, sizeof *x);
     x->paper = paper;
+    memcpy(x->path, path, sizeof x->path);
     if (paper) {
         pel_model_tdcp_paper(&x->model, &imu->model);
     } else {
@@ -167,12 +169,11 @@ static void start(system_t *x, const scenario_t *sc, const motion_t *m, carried_
         sd[x->ant.i_v + i] = PEL_R(1e-3);
         if (x->ant.i_r >= 0) { sd[x->ant.i_r + i] = PEL_R(0.01); }
     }
-    for (int k = 0; k < PAIRS && !paper; k++) {
-        sd[x->ant.i_r + 3 + k] = PEL_R(100.0);
-        sd[x->ant.i_r + 3 + PAIRS + k] = (pel_real)x->path[k].sd_rate_mps;
-    }
     if (!paper) {
-        for (int k = 0; k < PAIRS; k++) { sd[pel_model_index(&x->model, PEL_BLOCK_OFFSET_RATE) + k] = PEL_R(1e-4); }
+        for (int k = 0; k < PAIRS; k++) {
+            sd[pel_model_index(&x->model, PEL_BLOCK_OFFSET) + k] = PEL_R(100.0);
+            sd[pel_model_index(&x->model, PEL_BLOCK_OFFSET_RATE) + k] = (pel_real)path[k].sd_rate_mps;
+        }
         sd[pel_model_index(&x->model, PEL_BLOCK_HEIGHT)] = (pel_real)sc->sd_height_m;
     }
     TEST_ASSERT_EQUAL(PEL_OK, pel_ud_init(&x->ud, x->model.n, sd));
@@ -342,7 +343,7 @@ typedef struct {
 } result_t;
 
 /* 300 s of standing before the run: the polynomial of each pair. */
-static void fit_paths(system_t *x, sky_t *sky, const double r_a[3])
+static void fit_paths(sky_t *sky, const double r_a[3], pel_path_t path[PAIRS])
 {
     pel_path_fit_t fit[PAIRS];
     for (int k = 0; k < PAIRS; k++) { pel_path_fit_init(&fit[k]); }
@@ -355,7 +356,7 @@ static void fit_paths(system_t *x, sky_t *sky, const double r_a[3])
         }
         sky_advance(sky);
     }
-    for (int k = 0; k < PAIRS; k++) { TEST_ASSERT_EQUAL(PEL_OK, pel_path_fit_solve(&fit[k], PATH, &x->path[k])); }
+    for (int k = 0; k < PAIRS; k++) { TEST_ASSERT_EQUAL(PEL_OK, pel_path_fit_solve(&fit[k], PATH, &path[k])); }
 }
 
 static void horizontal_nees(const system_t *x, const state_t *truth, const double dr[3], result_t *r)
@@ -387,10 +388,8 @@ static void run(const scenario_t *sc, uint64_t seed, bool paper, result_t *r)
     sky_init(&sky, seed);
     motion_at(&m, 0.0, &truth);
     motion_point(&truth, LEVER, r_a, v_a);
-    fit_paths(&x, &sky, r_a);
-    memcpy(path, x.path, sizeof path);
-    start(&x, sc, &m, &imu, paper);
-    memcpy(x.path, path, sizeof path);
+    fit_paths(&sky, r_a, path);
+    start(&x, sc, &m, &imu, path, paper);
     memset(r, 0, sizeof *r);
     const int epochs = (int)(sc->duration_s / EPOCH);
     for (int k = 0; k <= epochs; k++) {
