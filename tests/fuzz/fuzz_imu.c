@@ -27,6 +27,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n)
         const pel_imu_event_t event = pel_imu_stream_push(&s, data[i]);
         if (event == PEL_IMU_SAMPLE) { check_sample(&s.imu); }
         if (event == PEL_IMU_EVENT_MARK) { FUZZ_CHECK(s.mark_t_ns > 0); }
+        if (event == PEL_IMU_BARO) { FUZZ_CHECK(s.baro.t_ns > 0 && s.baro.sd_m > 0.0f); }
         FUZZ_CHECK(fuzz_counters_grew(&before, &s.counters, sizeof before));
     }
     return 0;

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "pelorus/ambiguity.h"
 #include "pelorus/earth.h"
 #include "pelorus/math.h"
 #include "pelorus/observe.h"
@@ -92,6 +93,7 @@ static void choose_satellites(void)
 typedef struct {
     double phase_m; /* of one receiver's phase, 1 sigma */
     double code_m;  /* 0: no code rows */
+    bool fix;       /* integers from the filter's float vector, then conditioning on them */
 } noise_t;
 
 typedef struct {
@@ -103,6 +105,8 @@ typedef struct {
     double b_g[2][3], b_a[3]; /* constant, Markov */
     double amb[PAIRS];
     bool started;
+    int fixed_s; /* second of the flight; 0: not yet */
+    bool wrong;
 } system_t;
 
 static void s2_imu(pel_imu_model_t *imu)
@@ -206,6 +210,32 @@ static void rows(system_t *x, const pel_sd_t sd[SATS], double sigma, bool code)
     if (!code) { x->started = true; }
 }
 
+/* The filter's float vector to the integer search; conditioning on the best by one row each (S2 section 14: success 0.999 and ratio 3). */
+static void fix(system_t *x, int second)
+{
+    static pel_ils_t ils;
+    double Q[PEL_TRI(PAIRS)];
+    int64_t best[PAIRS];
+    if (x->fixed_s == 0) {
+        for (int i = 0; i < PAIRS; i++) {
+            for (int j = 0; j <= i; j++) { Q[PEL_TRI(i) + j] = (double)pel_ud_cov(&x->ud, AMB + i, AMB + j); }
+        }
+        if (pel_ils_init(&ils, PAIRS, x->amb, Q, 2, 100000) != PEL_OK || pel_ils_run(&ils, 100000) != PEL_OK) {
+            return;
+        }
+        if (pel_ils_success(&ils) < 0.999 || pel_ils_ratio(&ils) < 3.0) { return; }
+        TEST_ASSERT_EQUAL(PEL_OK, pel_ils_get(&ils, 0, best, NULL));
+        for (int i = 0; i < PAIRS; i++) {
+            pel_real h[PEL_MAX_STATES] = {PEL_R(0.0)};
+            h[AMB + i] = PEL_R(1.0);
+            const pel_real z = (pel_real)(x->amb[i] - (double)best[i]);
+            TEST_ASSERT_EQUAL(PEL_OK, pel_ud_update(&x->ud, h, AMB + i, z, PEL_R(1e-6), PEL_R(0.0), NULL));
+            x->wrong = x->wrong || best[i] != 1000 * (i + 1);
+        }
+        x->fixed_s = second;
+    }
+}
+
 static void errors_of(const system_t *x, const state_t *truth, double e[9])
 {
     pel_strapdown_t t = {0}, mine;
@@ -222,8 +252,15 @@ static void errors_of(const system_t *x, const state_t *truth, double e[9])
 
 typedef struct {
     double rms[9], sigma[9]; /* last 200 s; arc seconds, m/s, m, east north up */
-    double nees;
+    int fixed, wrong, latest_s;
 } trial_t;
+
+static void count_fix(const system_t *x, trial_t *sum)
+{
+    sum->fixed += (x->fixed_s > 0) ? 1 : 0;
+    sum->wrong += x->wrong ? 1 : 0;
+    if (x->fixed_s > sum->latest_s) { sum->latest_s = x->fixed_s; }
+}
 
 static void run(const motion_t *m, const noise_t *noise, uint64_t seed, trial_t *sum)
 {
@@ -244,6 +281,10 @@ static void run(const motion_t *m, const noise_t *noise, uint64_t seed, trial_t 
         rows(&x, sd, noise->phase_m, false);
         if (noise->code_m > 0.0) { rows(&x, sd, noise->code_m, true); }
         feed_back(&x);
+        if (noise->fix) {
+            fix(&x, second);
+            feed_back(&x);
+        }
         TEST_ASSERT_EQUAL(PEL_OK, pel_ud_check(&x.ud));
         if (second > 800) {
             double e[9];
@@ -266,6 +307,7 @@ static void run(const motion_t *m, const noise_t *noise, uint64_t seed, trial_t 
                 0, (int)pel_propagator_add_enu(&x.prop, &x.model, x.coning.dv_f_e, STEP, &x.s, &x.ud));
         }
     }
+    count_fix(&x, sum);
 }
 
 static trial_t trial(const char *name, const noise_t *noise)
@@ -283,6 +325,7 @@ static trial_t trial(const char *name, const noise_t *noise)
         t.sigma[i] = sqrt(t.sigma[i] / SEEDS) / unit;
         printf(" %.*f (%.2f)", (i < 3) ? 2 : 4, t.rms[i], t.rms[i] / t.sigma[i]);
     }
+    if (noise->fix) { printf(" fixed %d, by %d s at the latest, %d wrong", t.fixed, t.latest_s, t.wrong); }
     printf("\n");
     return t;
 }
@@ -309,10 +352,21 @@ static void with_code_of_three_metres(void)
     hold(&t, bound);
 }
 
+/* S2 12.4 */
+static void phases_of_five_millimetres_with_code_and_their_integers(void)
+{
+    const double bound[9] = {5.0, 5.2, 7.0, 0.0012, 0.0012, 0.0012, 0.006, 0.004, 0.009};
+    const trial_t t = trial("phase 5 mm, code 3 m, integers", &(noise_t){.phase_m = 0.005, .code_m = 3.0, .fix = true});
+    hold(&t, bound);
+    TEST_ASSERT_EQUAL_INT(SEEDS, t.fixed);
+    TEST_ASSERT_EQUAL_INT(0, t.wrong);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(phases_of_five_centimetres_alone);
     RUN_TEST(with_code_of_three_metres);
+    RUN_TEST(phases_of_five_millimetres_with_code_and_their_integers);
     return UNITY_END();
 }
