@@ -12,7 +12,8 @@
 #define COARSE_RAD       (1.0 * PEL_DEG) /* attitude known worse than this: what the error model leaves out is not small */
 #define GRAVITY_MPS2     9.8
 #define RELEASE_SD_M     1.0
-#define FIXED_SD_M       0.1 /* 3-D, of a position that is called fixed */
+#define SHELL            0.94 /* radius of the Earth over that of the ionosphere's shell */
+#define FIXED_SD_M       0.1  /* 3-D, of a position that is called fixed */
 
 typedef pel_nav_update_t update_t;
 
@@ -28,7 +29,7 @@ static double allow_for_correlation(pel_navigator_t *nav, double tau_s, double g
     return factor;
 }
 
-/* The search knows the ionosphere of each satellite; rows take it as noise. */
+/* The search knows the ionosphere of each satellite; rows take it as noise, longer paths through the shell as more of it. */
 static void allow_for_ionosphere(pel_navigator_t *nav)
 {
     const double sd_L1_m = pel_nav_iono_sd_m(nav);
@@ -36,7 +37,8 @@ static void allow_for_ionosphere(pel_navigator_t *nav)
     for (int i = 0; i < nav->sd.n; i++) {
         pel_sd_t *sd = &nav->sd.sd[i];
         const double k = sd->lambda_m * per_lambda;
-        const double var = sd_L1_m * sd_L1_m * k * k * k * k;
+        const double shell = SHELL * pel_cos((double)sd->el_rad);
+        const double var = sd_L1_m * sd_L1_m * k * k * k * k / (1.0 - shell * shell);
         sd->var_phase += var;
         sd->var_code += var;
     }
