@@ -112,7 +112,13 @@ static bool search_is_sound(const pel_navigator_t *nav)
         if (!within(nav->update.row_of[i], PEL_MAX_OBS - 1)) { return false; }
     }
     for (int i = 0; i < nav->update.chosen.n; i++) {
-        if (nav->update.chosen.entry[i] >= PEL_MAX_TRACKED) { return false; }
+        const uint8_t entry = nav->update.chosen.entry[i];
+        if (entry >= nav->track.n || nav->track.entry[entry].state < 0) { return false; }
+    }
+    const pel_antenna_t *ant = &nav->update.ant;
+    if (ant->n_states > nav->ud.n || ant->i_psi < -1 || ant->i_psi > ant->n_states - 3 ||
+        !within(ant->i_v, ant->n_states - 3) || !within(ant->i_r, ant->n_states - 3)) {
+        return false;
     }
     return (nav->search == PEL_NAV_SEARCH_EPOCH || nav->search == PEL_NAV_SEARCH_FLOATS) && nav->n_rover > 0 &&
            within(ils->n, PEL_MAX_AMB) && within(ils->level, PEL_MAX_AMB) && within(ils->n_notes, PEL_ILS_NOTES) &&
