@@ -13,7 +13,7 @@ static void any_ring(pel_imu_ring_t *ring)
 
 /* PROVE ring_push: an increment of any numbers into a ring of any filling
  * sources inertial/imu_ring.c
- * flags --unwind 6 -DPEL_IMU_RING=16
+ * flags --unwind 19 -DPEL_IMU_RING=16
  * quick
  * plant inertial/imu_ring.c: (ring->head + 1u) & (PEL_IMU_RING - 1u) => ring->head + 1u */
 void ring_push(void)
@@ -28,7 +28,7 @@ void ring_push(void)
 
 /* PROVE ring_at: any index
  * sources inertial/imu_ring.c
- * flags --unwind 6 -DPEL_IMU_RING=16
+ * flags --unwind 19 -DPEL_IMU_RING=16
  * quick
  * plant inertial/imu_ring.c: (unsigned)i) & (PEL_IMU_RING - 1u)] => (unsigned)i)] */
 void ring_at(void)
@@ -42,7 +42,7 @@ void ring_at(void)
 
 /* PROVE ring_after: a search for any time ends inside the ring, in order or not
  * sources inertial/imu_ring.c
- * flags --unwind 6 -DPEL_IMU_RING=16
+ * flags --unwind 19 -DPEL_IMU_RING=16
  * plant inertial/imu_ring.c: low = mid + 1; => low = mid + 2; */
 void ring_after(void)
 {
@@ -109,14 +109,16 @@ void amb_count(void)
 /* PROVE ils_get: any candidate of an engine that holds any number of them
  * sources ambiguity/ils.c
  * flags --any-floats --unwind 10 -DPEL_MAX_AMB=6
- * plant ambiguity/ils.c: k >= s->n_found => k > s->n_found */
+ * plant ambiguity/ils.c: p < s->n; p++) { N[s->order[p]] => p <= s->n; p++) { N[s->order[p]] */
 void ils_get(void)
 {
     pel_ils_t s;
-    double sq = 0.0;
-    assume(s.n_found >= 0 && s.n_found <= PEL_ILS_BEST && s.n >= 0 && s.n <= PEL_MAX_AMB && s.n_steps == 0);
-    for (int i = 0; i < PEL_MAX_AMB; i++) { assume(s.order[i] < PEL_MAX_AMB && s.origin[i] == 0); }
-    (void)pel_ils_get(&s, any_int(), NULL, &sq);
+    int64_t N[PEL_MAX_AMB];
+    assume(s.n_found >= 0 && s.n_found <= PEL_ILS_BEST && s.n >= 0 && s.n <= PEL_MAX_AMB);
+    for (int i = 0; i < PEL_MAX_AMB; i++) {
+        assume(s.order[i] < PEL_MAX_AMB && s.origin[i] > -(INT64_C(1) << 50) && s.origin[i] < (INT64_C(1) << 50));
+    }
+    (void)pel_ils_get(&s, any_int(), N, NULL);
 }
 
 /* INSTEAD pel_ils_init, pel_ils_run: decorrelation and tree search turn on comparisons of doubles; held by bounds of nodes, swaps and steps, and by 10 000 problems against an unlimited search | problem */

@@ -9,7 +9,7 @@
  * sources wire/framing.c
  * flags --unwind 26
  * quick
- * plant wire/framing.c: if (*fill >= cap) { => if (*fill > cap) { */
+ * plant wire/framing.c: if (*fill == cap) { => if (*fill > cap) { */
 void frame_append(void)
 {
     struct {

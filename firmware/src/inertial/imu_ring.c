@@ -17,8 +17,6 @@ static uint32_t check_of(const pel_imu_t *imu)
     return h;
 }
 
-_Static_assert((offsetof(pel_imu_t, flags) + sizeof(uint16_t)) % 4 == 0, "checked by words");
-
 void pel_imu_ring_init(pel_imu_ring_t *ring)
 {
     ring->head = 0;

@@ -99,6 +99,17 @@ static void pieces_add_up_to_the_whole(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-15, 0.0025, self.dt_s);
 }
 
+static void the_check_of_an_increment_sees_its_last_member(void)
+{
+    pel_imu_ring_t ring;
+    pel_imu_ring_init(&ring);
+    const pel_imu_t imu = {.t_ns = 1, .dt_s = 0.01};
+    TEST_ASSERT_EQUAL(PEL_OK, pel_imu_ring_push(&ring, &imu));
+    TEST_ASSERT_TRUE(pel_imu_ring_is_whole(&ring, 0));
+    ring.imu[ring.head == 0 ? PEL_IMU_RING - 1 : ring.head - 1].flags ^= 0x8000u;
+    TEST_ASSERT_FALSE(pel_imu_ring_is_whole(&ring, 0));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -107,5 +118,6 @@ int main(void)
     RUN_TEST(time_must_advance);
     RUN_TEST(search_finds_the_increment_that_contains_a_time);
     RUN_TEST(pieces_add_up_to_the_whole);
+    RUN_TEST(the_check_of_an_increment_sees_its_last_member);
     return UNITY_END();
 }
