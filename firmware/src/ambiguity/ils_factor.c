@@ -16,7 +16,7 @@
 typedef struct {
     int64_t left[PEL_MAX_AMB];     /* conditional variance in the row's own unit */
     int64_t variance[PEL_MAX_AMB]; /* at first */
-    pel_real weight[PEL_MAX_AMB];  /* the row's unit over the largest */
+    pel_real weight[PEL_MAX_AMB];  /* the row's unit over the largest, squared */
     int unit[PEL_MAX_AMB];         /* exponent of the row's unit, cycles */
     int unit_max;
 } rows_t;
@@ -36,11 +36,14 @@ static uint64_t significand_of(uint64_t bits)
     return (bits & UINT64_C(0xFFFFFFFFFFFFF)) | UINT64_C(0x10000000000000);
 }
 
-/* A double times 2^(PLACES - unit), right = 1022 + unit - its exponent in 0..62; what is below the last place is lost. */
+/* A double times 2^(PLACES - unit), right = 1022 + unit - its exponent in 0..62; what is below the last place is lost. Word by word: half
+ * of what a shift of 64 bits by a variable costs. */
 static inline int64_t fixed_of(uint64_t bits, int right)
 {
-    const int64_t x = (int64_t)(significand_of(bits) << (PLACES - 53)) >> right;
-    return (bits >> 63 != 0) ? -x : x;
+    const uint64_t x = significand_of(bits) << (PLACES - 53);
+    const uint32_t hi = (uint32_t)(x >> 32);
+    const uint64_t size = (right < 32) ? (uint64_t)(hi >> right) << 32 | (uint32_t)(x >> right) : hi >> (right - 32);
+    return (bits >> 63 != 0) ? -(int64_t)size : (int64_t)size;
 }
 
 /* An entry of Q waits in the place of one of G. */
@@ -107,13 +110,14 @@ static pel_status_t take_covariance(pel_ils_t *s, const double *Q, rows_t *r)
         for (int j = 0; j <= i; j++, at++) {
             const uint64_t bits = bits_of(&Q[at]);
             const int right = 1022 + r->unit[i] + r->unit[j] - exponent_of(bits);
-            if (right < 0) {
+            if (right < 0) { /* above both deviations */
                 return (exponent_of(bits) == 0x7FF) ? PEL_E_RANGE : PEL_E_NOT_POSDEF;
-            } /* above both deviations */
+            }
             s->G[at] = as_words((right <= 62) ? fixed_of(bits, right) : 0);
         }
         r->left[i] = of_words(s->G[at - 1]);
-        r->weight[i] = PEL_R(1.0) / (pel_real)(int32_t)(1 << apart);
+        const pel_real weight = PEL_R(1.0) / (pel_real)(int32_t)(1 << apart);
+        r->weight[i] = weight * weight;
         r->variance[i] = r->left[i];
     }
     return PEL_OK;
@@ -125,8 +129,16 @@ static void exchange(pel_ils_t *s, rows_t *r, int k, int p)
     fixed_t *row_k = fixed_row(s->G, k);
     fixed_t *row_p = fixed_row(s->G, p);
     for (int j = 0; j < k; j++) { SWAP(fixed_t, row_k[j], row_p[j]); }
-    for (int j = k + 1; j < p; j++) { SWAP(fixed_t, fixed_row(s->G, j)[k], row_p[j]); }
-    for (int i = p + 1; i < s->n; i++) { SWAP(fixed_t, fixed_row(s->G, i)[k], fixed_row(s->G, i)[p]); }
+    fixed_t *in_k = &row_k[k]; /* walks down column k */
+    for (int j = k + 1; j < p; j++) {
+        in_k += j;
+        SWAP(fixed_t, *in_k, row_p[j]);
+    }
+    in_k += p;
+    for (int i = p + 1; i < s->n; i++) {
+        in_k += i;
+        SWAP(fixed_t, in_k[0], in_k[p - k]);
+    }
     SWAP(int64_t, r->left[k], r->left[p]);
     SWAP(int64_t, r->variance[k], r->variance[p]);
     SWAP(pel_real, r->weight[k], r->weight[p]);
@@ -135,24 +147,25 @@ static void exchange(pel_ils_t *s, rows_t *r, int k, int p)
     SWAP(uint8_t, s->order[k], s->order[p]);
 }
 
-/* The ambiguity of smallest conditional variance of those from k on. */
-static int next_pivot(const rows_t *r, int k, int n)
+static inline pel_real conditional_variance(const rows_t *r, int i)
 {
-    int p = k;
-    pel_real least = PEL_REAL_MAX;
-    for (int i = k; i < n; i++) {
-        const pel_real variance = (pel_real)(int32_t)(r->left[i] >> 32) * r->weight[i] * r->weight[i];
-        if (variance < least) {
-            least = variance;
-            p = i;
-        }
+    return (pel_real)(int32_t)(r->left[i] >> 32) * r->weight[i];
+}
+
+/* The ambiguity of smallest variance. */
+static int first_pivot(const rows_t *r, int n)
+{
+    int p = 0;
+    for (int i = 1; i < n; i++) {
+        if (conditional_variance(r, i) < conditional_variance(r, p)) { p = i; }
     }
     return p;
 }
 
-/* Column k of the factor. */
-static void factor_column(pel_ils_t *s, rows_t *r, int k)
+/* Column k of the factor; the ambiguity of smallest conditional variance of those behind. */
+static int factor_column(pel_ils_t *s, rows_t *r, int k)
 {
+    const int n = s->n;
     const reciprocal_t inverse = pel_ils_inverse_root(r->left[k]);
     const reciprocal_t minus = {{-inverse.mantissa.hi, -inverse.mantissa.lo}, inverse.shift};
     const fixed_t *row_k = fixed_row(s->G, k);
@@ -160,12 +173,20 @@ static void factor_column(pel_ils_t *s, rows_t *r, int k)
     row[k] = times(r->left[k], inverse);
     s->minus_inverse[k] = minus.mantissa;
     s->shift[k] = (uint8_t)inverse.shift;
-    for (int i = k + 1; i < s->n; i++) {
+    int next = k + 1;
+    pel_real least = PEL_REAL_MAX;
+    for (int i = k + 1; i < n; i++) {
         row += i;
         const fixed_t g = times(fixed_dot(row, row_k, k) - of_words(row[k]), minus);
         row[k] = g;
         r->left[i] -= square(g);
+        const pel_real variance = conditional_variance(r, i);
+        if (variance < least) {
+            least = variance;
+            next = i;
+        }
     }
+    return next;
 }
 
 /* L, D and float ambiguities as the decorrelation wants them, in one unit. */
@@ -175,7 +196,7 @@ static void to_real(pel_ils_t *s, const rows_t *r)
     pel_real *l = s->LD;
     s->unit = (int16_t)r->unit_max;
     for (int i = 0; i < s->n; i++) {
-        const pel_real scale = r->weight[i] * PEL_R(1.734723475976807e-18); /* 2^-59 */
+        const pel_real scale = PEL_R(1.734723475976807e-18) / (pel_real)(int32_t)(1 << (r->unit_max - r->unit[i])); /* 2^-59 */
         s->row_unit[i] = (int16_t)r->unit[i];
         for (int j = 0; j < i; j++) { *l++ = real_of(*g++) * (scale * s->inv_D[j]); }
         const pel_real sigma = real_of(*g++) * scale;
@@ -192,11 +213,11 @@ pel_status_t pel_ils_take_in(pel_ils_t *s, const double *a, const double *Q, boo
     if (status == PEL_OK) { status = take_covariance(s, Q, &r); }
     if (status == PEL_OK) { status = take_ambiguities(s, a); }
     if (status != PEL_OK) { return status; }
+    int p = first_pivot(&r, s->n);
     for (int k = 0; k < s->n; k++) {
-        const int p = pivoting ? next_pivot(&r, k, s->n) : k;
-        if (p != k) { exchange(s, &r, k, p); }
+        if (pivoting && p != k) { exchange(s, &r, k, p); }
         if (r.left[k] <= r.variance[k] >> PIVOT_BITS) { return PEL_E_NOT_POSDEF; }
-        factor_column(s, &r, k);
+        p = factor_column(s, &r, k);
     }
     to_real(s, &r);
     return PEL_OK;
