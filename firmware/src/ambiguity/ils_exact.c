@@ -46,8 +46,8 @@ static int64_t shifted(int64_t x, int left)
     return (left > -62) ? x >> -left : 0;
 }
 
-/* (frac - N) 2^(places - FRACTION), or ONE if that is more; places <= 60. */
-static int64_t offset(int64_t frac, int32_t N, int places)
+/* offset() where N is large or the shift is. */
+static int64_t far_offset(int64_t frac, int32_t N, int places)
 {
     const int up = places - FRACTION;
     if (N > 1023 || N < -1023) { /* frac has too many places for these */
@@ -58,6 +58,17 @@ static int64_t offset(int64_t frac, int32_t N, int places)
     const int64_t x = frac - scaled(N, FRACTION);
     const int64_t most = (up > 0) ? ONE >> up : INT64_MAX;
     return (x > most || x < -most) ? ONE : shifted(x, up);
+}
+
+/* (frac - N) 2^(places - FRACTION), or ONE if that is clearly more; places <= 60. */
+static inline int64_t offset(int64_t frac, int32_t N, int places)
+{
+    const int up = places - FRACTION;
+    if (N > 1023 || N < -1023 || up < 0 || up > PLACES - 32) { return far_offset(frac, N, places); }
+    const int64_t x = frac - scaled(N, FRACTION);
+    const int32_t top = (int32_t)(x >> 32);
+    const int32_t most = (int32_t)(ONE >> 32) >> up;
+    return (top > most || top < -most) ? ONE : (int64_t)((uint64_t)x * ((uint32_t)1 << up));
 }
 
 /* Sum of squares of y = G^-1 (a - N) in units of 4^unit; -1 if that is ONE or more. */

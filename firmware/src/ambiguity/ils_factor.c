@@ -69,10 +69,11 @@ static pel_status_t take_ambiguities(pel_ils_t *s, const double *a)
             const int right = 1022 + PLACES - FRACTION - exponent_of(bits);
             frac = (right <= 62) ? fixed_of(bits, right) : 0;
         } else {
-            const int64_t x = (int64_t)significand_of(bits);
-            whole = (x + (INT64_C(1) << (below - 1))) >> below;
-            frac = x - scaled(whole, below);
-            frac = (below > FRACTION) ? frac >> (below - FRACTION) : frac * (INT64_C(1) << (FRACTION - below));
+            const uint64_t x = significand_of(bits);
+            const int64_t rest =
+                (int64_t)(x << (64 - below)); /* places behind the point as 2^-64, negative from one half on */
+            whole = (int64_t)(x >> below) + (rest < 0 ? 1 : 0);
+            frac = rest >> (64 - FRACTION);
             if (bits >> 63 != 0) {
                 whole = -whole;
                 frac = -frac;
@@ -128,7 +129,7 @@ static void exchange(pel_ils_t *s, rows_t *r, int k, int p)
 {
     fixed_t *row_k = fixed_row(s->G, k);
     fixed_t *row_p = fixed_row(s->G, p);
-    for (int j = 0; j < k; j++) { SWAP(fixed_t, row_k[j], row_p[j]); }
+    for (fixed_t *a = row_k, *b = row_p; a != row_k + k; a++, b++) { SWAP(fixed_t, *a, *b); }
     fixed_t *in_k = &row_k[k]; /* walks down column k */
     for (int j = k + 1; j < p; j++) {
         in_k += j;
@@ -196,7 +197,8 @@ static void to_real(pel_ils_t *s, const rows_t *r)
     pel_real *l = s->LD;
     s->unit = (int16_t)r->unit_max;
     for (int i = 0; i < s->n; i++) {
-        const pel_real scale = PEL_R(1.734723475976807e-18) / (pel_real)(int32_t)(1 << (r->unit_max - r->unit[i])); /* 2^-59 */
+        const pel_real scale =
+            PEL_R(1.734723475976807e-18) / (pel_real)(int32_t)(1 << (r->unit_max - r->unit[i])); /* 2^-59 */
         s->row_unit[i] = (int16_t)r->unit[i];
         for (int j = 0; j < i; j++) { *l++ = real_of(*g++) * (scale * s->inv_D[j]); }
         const pel_real sigma = real_of(*g++) * scale;
