@@ -15,29 +15,42 @@ double pel_ils_scaled(double x, int k)
     return x;
 }
 
-/* N - N0 behind decorrelated integers, in place: the steps undone, last first. Modulo 2^32, which is exact for every difference that fits,
- * whatever the numbers on the way; one that does not fit shows in the exact norm. */
-static void undo(const pel_ils_t *s, int32_t *z)
+/* N - N0 behind the decorrelated integers of `count` candidates, PEL_MAX_AMB apart, in place: the steps undone, last first. Modulo 2^32,
+ * which is exact for every difference that fits, whatever the numbers on the way; one that does not fit shows in the exact norm. */
+static void undo(const pel_ils_t *s, int32_t *z, int count)
 {
-    uint32_t *N = (uint32_t *)z;
-    for (int p = 0; p < s->n; p++) { N[p] += (uint32_t)whole_of(s->a_z[p]); }
+    uint32_t *first = (uint32_t *)z;
+    const uint32_t *end = first + (ptrdiff_t)count * PEL_MAX_AMB;
+    for (uint32_t *N = first; N != end; N += PEL_MAX_AMB) {
+        for (int p = 0; p < s->n; p++) { N[p] += (uint32_t)whole_of(s->a_z[p]); }
+    }
     for (const uint16_t *note = s->note + s->n_notes; note != s->note;) {
         const uint32_t step = *--note;
-        uint32_t *at = &N[step >> 10];
-        const uint32_t *other = &N[(step >> 4) & 63u];
+        const uint32_t k = step >> 10;
+        const uint32_t j = (step >> 4) & 63u;
         uint32_t m = (step & 15u) - 8u;
         if ((step & 15u) == 0) { /* a multiplier of its own: 12 bits and a power of two */
             const int16_t own = (int16_t) * --note;
             m = (uint32_t)(own >> 4) << (own & 15);
         }
-        if (at == other) {
-            const uint32_t reduced = at[-1];
-            at[-1] = at[0];
-            at[0] = reduced + m * at[-1];
+        if (k == j) {
+            for (uint32_t *N = first; N != end; N += PEL_MAX_AMB) {
+                const uint32_t reduced = N[k - 1];
+                N[k - 1] = N[k];
+                N[k] = reduced + m * N[k - 1];
+            }
         } else {
-            at[0] += m * other[0];
+            for (uint32_t *N = first; N != end; N += PEL_MAX_AMB) { N[k] += m * N[j]; }
         }
     }
+}
+
+/* The same for those held from candidate k on that are still as the search found them. */
+static void undo_from(pel_ils_t *s, int k)
+{
+    int i = k;
+    for (; i < s->n_held && s->held_sq[i] == PEL_ILS_NOT_UNDONE; i++) { s->held_sq[i] = PEL_ILS_NOT_SUMMED; }
+    undo(s, s->held[k], i - k);
 }
 
 static int64_t shifted(int64_t x, int left)
@@ -112,7 +125,7 @@ void pel_ils_exact_norms(pel_ils_t *s)
     }
     for (int k = 0; k < s->n_held; k++) {
         if (s->held_sq[k] >= 0) { continue; }
-        if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) { undo(s, s->held[k]); }
+        if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) { undo_from(s, k); }
         s->held_sq[k] = sum_of_squares(s, s->held[k], s->exact_unit);
         if (s->held_sq[k] < 0) { /* farther off than the search believes: all again in a larger unit */
             for (int i = 0; i <= k; i++) { s->held_sq[i] = PEL_ILS_NOT_SUMMED; }
@@ -126,7 +139,7 @@ void pel_ils_exact_norms(pel_ils_t *s)
 void pel_ils_apart(const pel_ils_t *s, int k, int32_t *N)
 {
     memcpy(N, s->held[k], (size_t)s->n * sizeof N[0]);
-    if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) { undo(s, N); }
+    if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) { undo(s, N, 1); }
 }
 
 double pel_ils_norm(const pel_ils_t *s, int k)

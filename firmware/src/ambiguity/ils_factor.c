@@ -41,8 +41,16 @@ static uint64_t significand_of(uint64_t bits)
 static inline int64_t fixed_of(uint64_t bits, int right)
 {
     const uint64_t x = significand_of(bits) << (PLACES - 53);
-    const uint32_t hi = (uint32_t)(x >> 32);
-    const uint64_t size = (right < 32) ? (uint64_t)(hi >> right) << 32 | (uint32_t)(x >> right) : hi >> (right - 32);
+    uint32_t hi = (uint32_t)(x >> 32);
+    uint32_t lo = (uint32_t)x;
+    if (right < 32) {
+        lo = lo >> right | (hi << 1) << (31 - right);
+        hi >>= right;
+    } else {
+        lo = hi >> (right - 32);
+        hi = 0;
+    }
+    const uint64_t size = (uint64_t)hi << 32 | lo;
     return (bits >> 63 != 0) ? -(int64_t)size : (int64_t)size;
 }
 
