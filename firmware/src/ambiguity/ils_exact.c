@@ -60,7 +60,7 @@ static int64_t shifted(int64_t x, int left)
 }
 
 /* offset() where N is large or the shift is. */
-static int64_t far_offset(int64_t frac, int32_t N, int places)
+OWN_REGISTERS static int64_t far_offset(int64_t frac, int32_t N, int places)
 {
     const int up = places - FRACTION;
     if (N > 1023 || N < -1023) { /* frac has too many places for these */

@@ -133,7 +133,7 @@ static pel_status_t take_covariance(pel_ils_t *s, const double *Q, rows_t *r)
 }
 
 /* Exchange ambiguities k < p; the first k columns are factored, the others still hold the covariance. */
-static void exchange(pel_ils_t *s, rows_t *r, int k, int p)
+OWN_REGISTERS static void exchange(pel_ils_t *s, rows_t *r, int k, int p)
 {
     fixed_t *row_k = fixed_row(s->G, k);
     fixed_t *row_p = fixed_row(s->G, p);
@@ -172,7 +172,7 @@ static int first_pivot(const rows_t *r, int n)
 }
 
 /* Column k of the factor; the ambiguity of smallest conditional variance of those behind. */
-static int factor_column(pel_ils_t *s, rows_t *r, int k)
+OWN_REGISTERS static int factor_column(pel_ils_t *s, rows_t *r, int k)
 {
     const int n = s->n;
     const reciprocal_t inverse = pel_ils_inverse_root(r->left[k]);
