@@ -118,14 +118,15 @@ static bool exchange_neighbours(pel_ils_t *s, pel_real gain)
 {
     const pel_real keep = PEL_R(1.0) - gain;
     int k = 1;
+    const pel_real *row = real_row_const(s->LD, k); /* row k */
     while (k < s->n) {
-        const pel_real *row = real_row_const(s->LD, k);
         const pel_real d_before = row[-1]; /* the diagonal of the row before */
         const pel_real l = row[k - 1];
         const pel_real m = nearest(l);
         pel_real rest = l - m;
         if (!(row[k] + rest * rest * d_before < keep * d_before)) {
             k++;
+            row += k;
             continue;
         }
         const bool alone = absolute(l) < LONE_MAX;
@@ -134,7 +135,10 @@ static bool exchange_neighbours(pel_ils_t *s, pel_real gain)
             rest = row[k - 1];
         }
         if (!swap_neighbours(s, k, alone ? (int32_t)m : 0, row[k] + rest * rest * d_before)) { return false; }
-        if (k > 1) { k--; }
+        if (k > 1) {
+            row -= k;
+            k--;
+        }
     }
     return true;
 }

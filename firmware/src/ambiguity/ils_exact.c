@@ -93,8 +93,8 @@ static int64_t sum_of_squares(const pel_ils_t *s, const int32_t *N, int unit)
     for (int p = 0; p < s->n; p++) {
         const int64_t d = offset(s->frac[p], N[p], PLACES - s->row_unit[p] - unit);
         const int64_t minus_c = fixed_dot(row, y, p) - d;
-        const int64_t pivot = join(row[p]);
-        if (minus_c >= pivot || minus_c <= -pivot) { return -1; }
+        const int32_t top = (int32_t)(minus_c >> 30);
+        if (top >= row[p].hi || top < -row[p].hi) { return -1; }
         y[p] = times(minus_c, (reciprocal_t){s->minus_inverse[p], s->shift[p]});
         sum += square(y[p]);
         if (sum >= ONE) { return -1; }
