@@ -136,10 +136,12 @@ void pel_ils_exact_norms(pel_ils_t *s)
     }
 }
 
-void pel_ils_apart(const pel_ils_t *s, int k, int32_t *N)
+const int32_t *pel_ils_apart(const pel_ils_t *s, int k, int32_t *room)
 {
-    memcpy(N, s->held[k], (size_t)s->n * sizeof N[0]);
-    if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) { undo(s, N, 1); }
+    if (s->held_sq[k] != PEL_ILS_NOT_UNDONE) { return s->held[k]; }
+    memcpy(room, s->held[k], (size_t)s->n * sizeof room[0]);
+    undo(s, room, 1);
+    return room;
 }
 
 double pel_ils_norm(const pel_ils_t *s, int k)
@@ -147,9 +149,9 @@ double pel_ils_norm(const pel_ils_t *s, int k)
     int64_t sq = s->held_sq[k];
     int unit = s->exact_unit;
     if (sq < 0) { /* still searching */
-        int32_t N[PEL_MAX_AMB];
+        int32_t room[PEL_MAX_AMB];
         pel_real scale;
-        pel_ils_apart(s, k, N);
+        const int32_t *N = pel_ils_apart(s, k, room);
         unit = unit_for(s, s->held_near[k], &scale);
         for (sq = sum_of_squares(s, N, unit); sq < 0; sq = sum_of_squares(s, N, unit)) { unit += 2; }
     }
