@@ -36,8 +36,8 @@ static uint64_t significand_of(uint64_t bits)
     return (bits & UINT64_C(0xFFFFFFFFFFFFF)) | UINT64_C(0x10000000000000);
 }
 
-/* A double times 2^(PLACES - unit), right = 1022 + unit - its exponent in 0..62; what is below the last place is lost. Word by word: half
- * of what a shift of 64 bits by a variable costs. */
+/* A double times 2^(PLACES - unit), right = 1022 + unit - its exponent in 0..62; what is below the last place is lost. Word by word, which
+ * costs less than a shift of 64 bits by a variable. */
 static inline int64_t fixed_of(uint64_t bits, int right)
 {
     const uint64_t x = significand_of(bits) << (PLACES - 53);
@@ -78,8 +78,8 @@ static pel_status_t take_ambiguities(pel_ils_t *s, const double *a)
             frac = (right <= 62) ? fixed_of(bits, right) : 0;
         } else {
             const uint64_t x = significand_of(bits);
-            const int64_t rest =
-                (int64_t)(x << (64 - below)); /* places behind the point as 2^-64, negative from one half on */
+            /* places behind the point, 2^-64; negative from one half on */
+            const int64_t rest = (int64_t)(x << (64 - below));
             whole = (int64_t)(x >> below) + (rest < 0 ? 1 : 0);
             frac = rest >> (64 - FRACTION);
             if (bits >> 63 != 0) {
