@@ -69,8 +69,8 @@ void pel_ils_first_node(pel_ils_t *s);
 #define PEL_ILS_NOT_UNDONE (-1)
 #define PEL_ILS_NOT_SUMMED (-2)
 
-/* N - N0 of candidate k, in the order of pivots; written to `room` [n] if the engine does not hold it in this form. */
-const int32_t *pel_ils_apart(const pel_ils_t *s, int k, int32_t *room);
+/* N - N0 of candidate k, in the order of pivots. */
+void pel_ils_apart(const pel_ils_t *s, int k, int32_t *N);
 
 /* Exact squared norms of all candidates held, as far as they have none yet. */
 void pel_ils_exact_norms(pel_ils_t *s);

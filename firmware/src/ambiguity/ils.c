@@ -81,7 +81,11 @@ pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq)
     if (s->stage == PEL_ILS_EMPTY || k < 0 || k >= s->n_found) { return PEL_E_MISSING; }
     if (N != NULL) {
         int32_t room[PEL_MAX_AMB];
-        const int32_t *apart = pel_ils_apart(s, k, room);
+        const int32_t *apart = s->held[k];
+        if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) {
+            pel_ils_apart(s, k, room);
+            apart = room;
+        }
         for (int p = 0; p < s->n; p++) { N[s->order[p]] = s->origin[s->order[p]] + apart[p]; }
     }
     if (sq != NULL) { *sq = pel_ils_norm(s, k); }

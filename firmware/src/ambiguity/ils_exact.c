@@ -136,12 +136,10 @@ void pel_ils_exact_norms(pel_ils_t *s)
     }
 }
 
-const int32_t *pel_ils_apart(const pel_ils_t *s, int k, int32_t *room)
+void pel_ils_apart(const pel_ils_t *s, int k, int32_t *N)
 {
-    if (s->held_sq[k] != PEL_ILS_NOT_UNDONE) { return s->held[k]; }
-    memcpy(room, s->held[k], (size_t)s->n * sizeof room[0]);
-    undo(s, room, 1);
-    return room;
+    memcpy(N, s->held[k], (size_t)s->n * sizeof N[0]);
+    if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) { undo(s, N, 1); }
 }
 
 double pel_ils_norm(const pel_ils_t *s, int k)
@@ -149,9 +147,9 @@ double pel_ils_norm(const pel_ils_t *s, int k)
     int64_t sq = s->held_sq[k];
     int unit = s->exact_unit;
     if (sq < 0) { /* still searching */
-        int32_t room[PEL_MAX_AMB];
+        int32_t N[PEL_MAX_AMB];
         pel_real scale;
-        const int32_t *N = pel_ils_apart(s, k, room);
+        pel_ils_apart(s, k, N);
         unit = unit_for(s, s->held_near[k], &scale);
         for (sq = sum_of_squares(s, N, unit); sq < 0; sq = sum_of_squares(s, N, unit)) { unit += 2; }
     }
