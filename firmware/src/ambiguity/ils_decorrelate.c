@@ -12,7 +12,7 @@
 #define GAIN_FIRST PEL_R(0.35) /* a conditional variance must fall by this share for an exchange to be worth it */
 #define GAIN_MORE  PEL_R(0.02) /* the same once the search has turned out to be long */
 #define PATIENCE   24          /* nodes an ambiguity after which more decorrelation is cheaper than more search */
-#define WEAK_SUM   PEL_R(10.0) /* cycles^2: with a larger sum of conditional variances the search is sure to be long */
+#define WEAK_SUM   PEL_R(3.0)  /* cycles^2: with a larger sum of conditional variances the search is sure to be long */
 #define LONE_MAX   PEL_R(5.5)  /* above, not only the neighbour is taken out of a row: its other entries would grow */
 #define FACTOR_MAX PEL_R(2047.0) /* largest multiplier of a step, times 2^0..2^SHIFT_MAX */
 #define SHIFT_MAX  11

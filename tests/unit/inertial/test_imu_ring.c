@@ -101,7 +101,6 @@ static void pieces_add_up_to_the_whole(void)
 
 static void the_check_of_an_increment_sees_its_last_member(void)
 {
-    pel_imu_ring_t ring;
     pel_imu_ring_init(&ring);
     const pel_imu_t imu = {.t_ns = 1, .dt_s = 0.01};
     TEST_ASSERT_EQUAL(PEL_OK, pel_imu_ring_push(&ring, &imu));
