@@ -12,6 +12,7 @@
 #include "bench/bench.h"
 #include "bench/integers.h"
 #include "common/cli.h"
+#include "pelorus/ambiguity.h"
 
 #define MAX_CASES 64
 
@@ -213,6 +214,23 @@ static const char *share(long ours, long theirs, char text[16])
     return text;
 }
 
+/* Bytes beside instructions; silent without a cross compiler. */
+static void print_engine_bytes(void)
+{
+    char line[1024];
+    long code, frame;
+    (void)snprintf(line, sizeof line, "bash '%s/tools/bench/engine_bytes.sh' '%s' 2>/dev/null", PEL_SOURCE_DIR,
+                   PEL_BENCH_DIR);
+    FILE *pipe = popen(line, "r");
+    if (pipe == NULL) { return; }
+    if (fscanf(pipe, "%ld %ld", &code, &frame) == 2) {
+        printf("on M4F: %ld bytes of code, %zu of state at n = %d, %ld in the largest stack frame (RTKLIB: 53 KB of "
+               "heap at n = 40)\n",
+               code, sizeof(pel_ils_t), PEL_MAX_AMB, frame);
+    }
+    (void)pclose(pipe);
+}
+
 static void print_integers(const counts_t *c, bool csv)
 {
     /* lambda() of RTKLIB 2.4.3 recompiled to float for Cortex-M4F on the problems of the design; not run here. */
@@ -228,6 +246,7 @@ static void print_integers(const counts_t *c, bool csv)
                number(c->integers_m4f[i], text[3]), number(rtklib_float[i], text[4]),
                share(c->integers_m4f[i], rtklib_float[i], shares[1]));
     }
+    if (!csv) { print_engine_bytes(); }
 }
 
 int main(int argc, char **argv)
