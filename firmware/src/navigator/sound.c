@@ -115,9 +115,10 @@ static bool search_is_sound(const pel_navigator_t *nav)
         const uint8_t entry = nav->update.chosen.entry[i];
         if (entry >= nav->track.n || nav->track.entry[entry].state < 0) { return false; }
     }
+    /* Its n_states may be of before ambiguities were dropped; rows that come take the model's. */
     const pel_antenna_t *ant = &nav->update.ant;
-    if (ant->n_states > nav->ud.n || ant->i_psi < -1 || ant->i_psi > ant->n_states - 3 ||
-        !within(ant->i_v, ant->n_states - 3) || !within(ant->i_r, ant->n_states - 3)) {
+    const int last = nav->ud.n - 3;
+    if (ant->i_psi < -1 || ant->i_psi > last || !within(ant->i_v, last) || !within(ant->i_r, last)) {
         return false;
     }
     return (nav->search == PEL_NAV_SEARCH_EPOCH || nav->search == PEL_NAV_SEARCH_FLOATS) && nav->n_rover > 0 &&
