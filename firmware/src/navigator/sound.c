@@ -118,9 +118,7 @@ static bool search_is_sound(const pel_navigator_t *nav)
     /* Its n_states may be of before ambiguities were dropped; rows that come take the model's. */
     const pel_antenna_t *ant = &nav->update.ant;
     const int last = nav->ud.n - 3;
-    if (ant->i_psi < -1 || ant->i_psi > last || !within(ant->i_v, last) || !within(ant->i_r, last)) {
-        return false;
-    }
+    if (ant->i_psi < -1 || ant->i_psi > last || !within(ant->i_v, last) || !within(ant->i_r, last)) { return false; }
     return (nav->search == PEL_NAV_SEARCH_EPOCH || nav->search == PEL_NAV_SEARCH_FLOATS) && nav->n_rover > 0 &&
            within(ils->n, PEL_MAX_AMB) && within(ils->level, PEL_MAX_AMB) && within(ils->n_notes, PEL_ILS_NOTES) &&
            within(ils->n_held, PEL_ILS_HELD) && within(ils->n_best, PEL_ILS_BEST) && within(ils->n_found, PEL_ILS_BEST);
