@@ -130,7 +130,7 @@ _Static_assert(PEL_MAX_AMB > 40 || sizeof(pel_ils_t) <= 16384 || sizeof(pel_real
 pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q, int n_best, int32_t budget);
 
 /* The same by another method. With PEL_ILS_FASF the answer holds within its box: fewer than n_best vectors may be found, and
- * pel_ils_run() returns PEL_W_BUDGET for more than PEL_ILS_FASF_VECTORS. */
+ * pel_ils_run() returns PEL_W_BUDGET for more than PEL_ILS_FASF_VECTORS. a and Q may lie in the engine's room for them, here and above. */
 pel_status_t pel_ils_init_as(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
                              int32_t budget);
 
@@ -237,10 +237,11 @@ typedef struct {
  * PEL_E_RANGE: counts or values out of range. PEL_E_MISSING: no integers sought. PEL_E_GEOMETRY: no prior and fewer than 3 code
  * rows. Else as pel_ils_init(). The ionosphere of up to PEL_AMB_IONO_SATS satellites is tied across their carriers and code; that of
  * any further satellite counts as noise.
- * Cost n_code * k^2 with k = 3 (+ satellites, with ionosphere), n^2 * 3 (or 5), then pel_ils_init(). */
+ * Cost n_code * k^2 with k = 3 (+ satellites, with ionosphere), n^2 * 3 (or 5), then pel_ils_init() and
+ * pel_ils_decorrelate_to_the_end(). */
 pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best, int32_t budget);
 
-#define PEL_AMB_IONO_SATS 32
+#define PEL_AMB_IONO_SATS ((PEL_MAX_AMB < 36) ? PEL_MAX_AMB - 4 : 32) /* their covariance shares the engine's memory */
 
 /* Number of integers sought. */
 int pel_amb_count(const pel_amb_problem_t *p);

@@ -12,8 +12,7 @@
 #define STATES_MAX    (3 + PEL_AMB_IONO_SATS)
 #define NO_STATE      0xFF
 
-_Static_assert(PEL_TRI(STATES_MAX) + STATES_MAX <= PEL_TRI(PEL_MAX_AMB) || PEL_MAX_AMB < 37,
-               "x and P share the memory of the search");
+_Static_assert(PEL_TRI(STATES_MAX) + STATES_MAX <= PEL_TRI(PEL_MAX_AMB), "x and P share the memory of the search");
 
 /* x and P of the epoch inside the engine's scratch, and where a satellite's ionosphere is among them. */
 typedef struct {
@@ -232,7 +231,7 @@ pel_status_t pel_amb_float(const pel_amb_problem_t *p, pel_ils_t *s, int n_best,
     int n_code = 0;
     const double sq = use_codes(p, &e, &n_code);
     form_ambiguities(p, &e, s);
-    status = pel_ils_start(s, PEL_ILS_LAMBDA, pel_amb_count(p), s->a, s->Q, n_best, budget);
+    status = pel_ils_init_as(s, PEL_ILS_LAMBDA, pel_amb_count(p), s->a, s->Q, n_best, budget);
     if (status != PEL_OK) { return status; }
     pel_ils_decorrelate_to_the_end(s);
     s->float_sq = sq;

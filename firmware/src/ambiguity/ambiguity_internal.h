@@ -48,10 +48,6 @@ static inline pel_real nearest(pel_real x)
     return (x + TO_INTEGER) - TO_INTEGER;
 }
 
-/* Begin with a and Q, which may lie in the engine's room for them. */
-pel_status_t pel_ils_start(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
-                           int32_t budget);
-
 /* a into origin and frac, Q = G G' with rows permuted (and frac and order with them) so that each pivot is the smallest left, if
  * `pivoting`; then LD and a_z from these. */
 pel_status_t pel_ils_take_in(pel_ils_t *s, const double *a, const double *Q, bool pivoting);

@@ -1,6 +1,4 @@
 /* ils.c - life of an integer least-squares problem: taking it in, and what is known of it. */
-#include <string.h>
-
 #include "ambiguity_internal.h"
 #include "ils_fixed.h"
 #include "pelorus/math.h"
@@ -33,8 +31,8 @@ double pel_ils_adop(const pel_ils_t *s)
     return pel_exp((log_sum + pel_log(product)) / s->n);
 }
 
-pel_status_t pel_ils_start(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
-                           int32_t budget)
+pel_status_t pel_ils_init_as(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
+                             int32_t budget)
 {
     s->n = 0;
     s->stage = PEL_ILS_EMPTY;
@@ -70,22 +68,12 @@ pel_status_t pel_ils_init(pel_ils_t *s, int n, const double *a, const double *Q,
     return pel_ils_init_as(s, PEL_ILS_LAMBDA, n, a, Q, n_best, budget);
 }
 
-pel_status_t pel_ils_init_as(pel_ils_t *s, pel_ils_method_t method, int n, const double *a, const double *Q, int n_best,
-                             int32_t budget)
-{
-    return pel_ils_start(s, method, n, a, Q, n_best, budget);
-}
-
 pel_status_t pel_ils_get(const pel_ils_t *s, int k, int64_t *N, double *sq)
 {
     if (s->stage == PEL_ILS_EMPTY || k < 0 || k >= s->n_found) { return PEL_E_MISSING; }
     if (N != NULL) {
-        int32_t room[PEL_MAX_AMB];
-        const int32_t *apart = s->held[k];
-        if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) {
-            pel_ils_apart(s, k, room);
-            apart = room;
-        }
+        int32_t apart[PEL_MAX_AMB];
+        pel_ils_apart(s, k, apart);
         for (int p = 0; p < s->n; p++) { N[s->order[p]] = s->origin[s->order[p]] + apart[p]; }
     }
     if (sq != NULL) { *sq = pel_ils_norm(s, k); }

@@ -64,7 +64,7 @@ OWN_REGISTERS static int64_t far_offset(int64_t frac, int32_t N, int places)
 {
     const int up = places - FRACTION;
     if (N > 1023 || N < -1023) { /* frac has too many places for these */
-        const int64_t most = (places < PLACES - 30) ? INT32_MAX : ONE >> places;
+        const int64_t most = (places < PLACES - 30) ? INT64_C(1) << 31 : ONE >> places;
         if (places >= PLACES || N > most || N < -most) { return ONE; }
         return shifted(frac, up) - shifted(N, places);
     }
@@ -128,7 +128,9 @@ void pel_ils_exact_norms(pel_ils_t *s)
         if (s->held_sq[k] == PEL_ILS_NOT_UNDONE) { undo_from(s, k); }
         s->held_sq[k] = sum_of_squares(s, s->held[k], s->exact_unit);
         if (s->held_sq[k] < 0) { /* farther off than the search believes: all again in a larger unit */
-            for (int i = 0; i <= k; i++) { s->held_sq[i] = PEL_ILS_NOT_SUMMED; }
+            for (int i = 0; i < s->n_held; i++) {
+                if (i <= k || s->held_sq[i] >= 0) { s->held_sq[i] = PEL_ILS_NOT_SUMMED; }
+            }
             s->exact_unit = (int16_t)(s->exact_unit + 2);
             s->exact_scale *= PEL_R(16.0);
             k = -1;

@@ -71,10 +71,10 @@ static void replace(pel_ovt_t *o, const pel_amb_problem_t *p, const int64_t *N)
 void pel_ovt_push(pel_ovt_t *o, const pel_amb_problem_t *p, const int64_t *N, int needed, pel_ovt_verdict_t *v)
 {
     *v = (pel_ovt_verdict_t){.sat_changed = -1};
-    for (int g = 0; o->epochs > 0 && g < p->n_groups; g++) {
+    for (int g = 0; o->epochs > 0 && g < p->n_groups && g < PEL_AMB_GROUPS; g++) {
         common_t c = {.reference = NOT_THERE};
         compare(o, p->group[g].sat, wavelength(p, g), 0, &c, v);
-        for (int i = 0; i < p->n_rows; i++) {
+        for (int i = 0; i < p->n_rows && i < PEL_MAX_AMB; i++) {
             const pel_amb_row_t *row = &p->row[i];
             if (row->integer && row->group == g) { compare(o, row->sat, row->lambda_m, N[i], &c, v); }
         }

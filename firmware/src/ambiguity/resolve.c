@@ -11,7 +11,8 @@ enum { SET_UP, SEARCH, JUDGE, ENDED };
 pel_status_t pel_amb_resolve_begin(pel_amb_resolver_t *r, const pel_amb_problem_t *p, const pel_int_limits_t *limits,
                                    int32_t budget, int max_tries)
 {
-    if (p->n_rows < 0 || p->n_rows > PEL_MAX_AMB || budget < 1 || max_tries < 1 || max_tries > 63) {
+    if (p->n_rows < 0 || p->n_rows > PEL_MAX_AMB || p->n_groups < 0 || p->n_groups > PEL_AMB_GROUPS || budget < 1 ||
+        max_tries < 1 || max_tries > 63) {
         r->stage = ENDED;
         return PEL_E_RANGE;
     }
@@ -92,8 +93,8 @@ static pel_status_t search(pel_amb_resolver_t *r, pel_amb_problem_t *p, pel_ils_
 {
     const pel_status_t status = pel_ils_run(s, max_nodes);
     if (status == PEL_W_RUNNING) { return PEL_W_RUNNING; }
+    r->budget -= s->nodes;
     if (status >= 0) {
-        r->budget -= s->nodes;
         r->stage = JUDGE;
         return PEL_W_RUNNING;
     }
