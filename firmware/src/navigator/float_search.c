@@ -153,16 +153,18 @@ static bool agree(const pel_nav_chosen_t *c, double agreed_s, int epochs)
     return epochs >= ((agreed_s >= FAR_APART_S) ? 2 : often);
 }
 
-/* Float ambiguities that fit no integers for long hold a slip that nobody saw: they begin anew. */
-static void watch_floats(pel_navigator_t *nav, const pel_nav_integers_t *out)
+/* Float ambiguities that fit no integers for long hold a slip that nobody saw: they begin anew. True: so it was, and what was chosen of
+ * them is gone. */
+static bool watch_floats(pel_navigator_t *nav, const pel_nav_integers_t *out)
 {
     const bool misfit = out->reason == PEL_INT_CHI2;
     nav->track.misfit_floats = (uint8_t)(misfit ? nav->track.misfit_floats + 1 : 0);
-    if (nav->track.misfit_floats < MISFIT_FLOATS) { return; }
+    if (nav->track.misfit_floats < MISFIT_FLOATS) { return false; }
     nav->track.misfit_floats = 0;
     for (int i = nav->track.n - 1; i >= 0; i--) {
         if (nav->track.entry[i].state >= 0) { pel_nav_track_drop_entry(nav, i); }
     }
+    return true;
 }
 
 bool pel_nav_track_search_begin(pel_navigator_t *nav, bool held)
@@ -186,7 +188,7 @@ static bool end_of_one(pel_navigator_t *nav, pel_nav_chosen_t *c, bool proved, p
     int epochs;
     const double agreed_s = agreed_for_s(nav, c, N, &epochs);
     judge(nav, c, proved, sq, agreed_s, out);
-    if (first && !c->beside_held) { watch_floats(nav, out); }
+    if (first && !c->beside_held && watch_floats(nav, out)) { return true; }
     if (out->reason == PEL_INT_OK) {
         if (agree(c, agreed_s, epochs)) { condition(nav, c, N, out); }
         return true;

@@ -86,17 +86,18 @@ static pel_epoch_t *choose_base(pel_navigator_t *nav, pel_time_t t_ns)
     return &nav->base[index];
 }
 
+static void drop_oldest(pel_navigator_t *nav)
+{
+    nav->n_rover--;
+    memmove(&nav->rover[0], &nav->rover[1], (size_t)nav->n_rover * sizeof nav->rover[0]);
+}
+
 static void begin_oldest(pel_navigator_t *nav)
 {
     pel_epoch_t *base = choose_base(nav, nav->rover[0].t_ns);
     if (base == NULL && nav->n_base > 0 && preset_uses_base(nav->cfg.preset)) { nav->counters.epochs_unpaired++; }
     pel_nav_begin_epoch(nav, &nav->rover[0], base);
-}
-
-static void drop_oldest(pel_navigator_t *nav)
-{
-    nav->n_rover--;
-    memmove(&nav->rover[0], &nav->rover[1], (size_t)nav->n_rover * sizeof nav->rover[0]);
+    if (nav->search == PEL_NAV_SEARCH_NONE) { drop_oldest(nav); }
 }
 
 /* Before an epoch or an orbit is used: is the navigator what it was? */
@@ -118,13 +119,8 @@ static void complete(pel_navigator_t *nav)
 
 static void apply_oldest(pel_navigator_t *nav)
 {
-    if (nav->search == PEL_NAV_SEARCH_NONE) {
-        begin_oldest(nav);
-        while (nav->search != PEL_NAV_SEARCH_NONE) { pel_nav_go_on(nav, nav->cfg.node_budget); }
-        drop_oldest(nav);
-    } else {
-        complete(nav);
-    }
+    if (nav->search == PEL_NAV_SEARCH_NONE) { begin_oldest(nav); }
+    complete(nav);
 }
 
 /* Searches go on between IMU samples, where there are any and time is left. */
@@ -156,12 +152,8 @@ static void apply_if_due(pel_navigator_t *nav)
     const pel_time_t t_ns = nav->rover[0].t_ns;
     if (!imu_has_passed(nav, t_ns) || !base_is_settled(nav, t_ns)) { return; }
     if (!can_go_on(nav) || nav->n_rover == 0) { return; }
-    if (!in_slices(nav)) {
-        apply_oldest(nav);
-        return;
-    }
     begin_oldest(nav);
-    if (nav->search == PEL_NAV_SEARCH_NONE) { drop_oldest(nav); }
+    if (!in_slices(nav)) { complete(nav); } /* asked now: the epoch may have ended the INS */
 }
 
 /* ---- when time begins anew ------------------------------------------------------------------------------------------ */
@@ -334,8 +326,10 @@ void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s)
     double move = 0.0;
     for (int k = 0; k < 3; k++) { move += pel_fabs(s->r_ea_e[k] - nav->station.r_ea_e[k]); }
     if (nav->have_station && move > STATION_MOVED_M) { /* another base: other integers */
+        pel_nav_check_state(nav);
         complete(nav);
         pel_nav_track_clear(nav);
+        pel_nav_seal_state(nav);
     }
     nav->station = *s;
     nav->have_station = true;
@@ -420,11 +414,12 @@ void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
 
 bool pel_navigator_flush(pel_navigator_t *nav)
 {
-    if (!can_go_on(nav) || nav->n_rover == 0) { return false; }
+    if (!can_go_on(nav)) { return false; }
     pel_nav_check_state(nav);
-    apply_oldest(nav);
+    const bool any = nav->n_rover > 0;
+    if (any) { apply_oldest(nav); }
     pel_nav_seal_state(nav);
-    return true;
+    return any;
 }
 
 pel_nav_output_t pel_navigator_poll(pel_navigator_t *nav)

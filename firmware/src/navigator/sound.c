@@ -99,6 +99,10 @@ static bool track_is_sound(const pel_navigator_t *nav)
             return false;
         }
     }
+    for (int i = 0; i < PEL_GLO_CARRIERS; i++) {
+        const int state = nav->track.channels[i].state;
+        if (state < -1 || state >= nav->ud.n) { return false; }
+    }
     return true;
 }
 
@@ -107,9 +111,14 @@ static bool search_is_sound(const pel_navigator_t *nav)
 {
     const pel_ils_t *ils = &nav->ils;
     if (nav->search == PEL_NAV_SEARCH_NONE) { return true; }
-    if (!within(nav->problem.n_rows, PEL_MAX_AMB) || !within(nav->update.chosen.n, PEL_MAX_AMB)) { return false; }
+    if (!within(nav->problem.n_rows, PEL_MAX_AMB) || !within(nav->update.chosen.n, PEL_MAX_AMB) ||
+        !within(nav->problem.n_groups, PEL_AMB_GROUPS) || !within(nav->sd.n, PEL_MAX_OBS)) {
+        return false;
+    }
     for (int i = 0; i < nav->problem.n_rows; i++) {
-        if (!within(nav->update.row_of[i], PEL_MAX_OBS - 1)) { return false; }
+        if (!within(nav->update.row_of[i], PEL_MAX_OBS - 1) || nav->problem.row[i].group >= PEL_AMB_GROUPS) {
+            return false;
+        }
     }
     for (int i = 0; i < nav->update.chosen.n; i++) {
         const uint8_t entry = nav->update.chosen.entry[i];
