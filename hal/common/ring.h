@@ -41,4 +41,20 @@ static inline bool ring_get(ring_t *r, uint8_t *byte)
     return true;
 }
 
+/* What waits and fits; how many bytes. */
+static inline size_t ring_read(ring_t *r, uint8_t *buf, size_t cap)
+{
+    size_t n = 0;
+    while (n < cap && ring_get(r, &buf[n])) { n++; }
+    return n;
+}
+
+/* What there is room for; how many bytes. */
+static inline size_t ring_write(ring_t *r, const uint8_t *buf, size_t n)
+{
+    size_t taken = 0;
+    while (taken < n && ring_put(r, buf[taken])) { taken++; }
+    return taken;
+}
+
 #endif

@@ -6,7 +6,7 @@ set(PEL_BOARD_PRESET m4f)
 set(PEL_BOARD_DEFINITIONS)
 
 set(PEL_BOARD_SOURCES mps2/startup.c mps2/clock.c common/semihost.c common/arm_double_add.c) # of every program
-set(PEL_BOARD_DRIVERS mps2/board.c) # of the firmware
+set(PEL_BOARD_DRIVERS mps2/board.c common/no_time.c common/no_pulses.c common/no_config.c common/no_store.c) # of the firmware
 set(PEL_BOARD_LINK_OPTIONS --specs=nano.specs -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub)
 set(PEL_BOARD_LINKER_SCRIPT mps2/mps2.ld)
 set(PEL_BOARD_INCLUDES mps2)

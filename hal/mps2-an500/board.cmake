@@ -6,7 +6,7 @@ set(PEL_BOARD_PRESET m7)
 set(PEL_BOARD_DEFINITIONS)
 
 set(PEL_BOARD_SOURCES mps2/startup.c mps2/clock.c common/semihost.c) # of every program
-set(PEL_BOARD_DRIVERS mps2/board.c)                # of the firmware
+set(PEL_BOARD_DRIVERS mps2/board.c common/no_time.c common/no_pulses.c common/no_config.c common/no_store.c) # of the firmware
 set(PEL_BOARD_LINK_OPTIONS --specs=nano.specs)
 set(PEL_BOARD_LINKER_SCRIPT mps2/mps2.ld)
 set(PEL_BOARD_INCLUDES mps2)

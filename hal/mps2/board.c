@@ -96,9 +96,7 @@ bool hal_running(void)
 
 size_t hal_read(hal_port_t port, uint8_t *buf, size_t cap)
 {
-    size_t n = 0;
-    while (n < cap && ring_get(&ports[port].ring, &buf[n])) { n++; }
-    return n;
+    return ring_read(&ports[port].ring, buf, cap);
 }
 
 uint32_t hal_overruns(hal_port_t port)
@@ -108,52 +106,11 @@ uint32_t hal_overruns(hal_port_t port)
 
 size_t hal_write(hal_port_t port, const uint8_t *buf, size_t n)
 {
-    size_t taken = 0;
-    while (taken < n && ring_put(&ports[port].ring, buf[taken])) { taken++; }
+    const size_t taken = ring_write(&ports[port].ring, buf, n);
     __asm volatile("cpsid i" ::: "memory"); /* an idle transmitter raises no interrupt by itself */
     transmit(&ports[port]);
     __asm volatile("cpsie i" ::: "memory");
     return taken;
-}
-
-pel_time_t hal_gps_time(void)
-{
-    return 0;
-}
-
-bool hal_pps(int64_t *clock_ns)
-{
-    (void)clock_ns;
-    return false;
-}
-
-bool hal_event(int64_t *clock_ns, uint32_t *id)
-{
-    (void)clock_ns;
-    (void)id;
-    return false;
-}
-
-bool hal_load_config(pel_nav_config_t *cfg)
-{
-    (void)cfg;
-    return false;
-}
-
-size_t hal_store_read(int slot, uint8_t *buf, size_t cap)
-{
-    (void)slot;
-    (void)buf;
-    (void)cap;
-    return 0;
-}
-
-size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
-{
-    (void)slot;
-    (void)buf;
-    (void)n;
-    return 0;
 }
 
 void hal_idle(void)

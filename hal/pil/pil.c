@@ -91,40 +91,11 @@ pel_time_t hal_gps_time(void)
     return pil.header.gps_time_ns;
 }
 
-bool hal_pps(int64_t *clock_ns)
-{
-    (void)clock_ns;
-    return false;
-}
-
-bool hal_event(int64_t *clock_ns, uint32_t *id)
-{
-    (void)clock_ns;
-    (void)id;
-    return false;
-}
-
 bool hal_load_config(pel_nav_config_t *cfg)
 {
     if (pil.header.config_bytes == 0) { return false; }
     *cfg = pil.config;
     return true;
-}
-
-size_t hal_store_read(int slot, uint8_t *buf, size_t cap)
-{
-    (void)slot;
-    (void)buf;
-    (void)cap;
-    return 0;
-}
-
-size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
-{
-    (void)slot;
-    (void)buf;
-    (void)n;
-    return 0;
 }
 
 /* Nothing waits: the next record. A tape cut short ends where its last whole word is. */

@@ -5,7 +5,7 @@ set(PEL_BOARD_PRESET rv32)
 set(PEL_BOARD_DEFINITIONS)
 
 set(PEL_BOARD_SOURCES rv32-virt/startup.c rv32-virt/clock.c common/semihost.c) # of every program
-set(PEL_BOARD_DRIVERS rv32-virt/ports.c rv32-virt/store.c) # of the firmware
+set(PEL_BOARD_DRIVERS rv32-virt/ports.c rv32-virt/store.c common/no_time.c common/no_pulses.c common/no_config.c) # of the firmware
 set(PEL_BOARD_LINK_OPTIONS)
 set(PEL_BOARD_LINKER_SCRIPT rv32-virt/virt.ld)
 set(PEL_BOARD_INCLUDES rv32-virt)

@@ -63,9 +63,7 @@ bool hal_running(void)
 
 size_t hal_read(hal_port_t port, uint8_t *buf, size_t cap)
 {
-    size_t n = 0;
-    while (port == HAL_PORT_ROVER && n < cap && ring_get(&received, &buf[n])) { n++; }
-    return n;
+    return (port == HAL_PORT_ROVER) ? ring_read(&received, buf, cap) : 0;
 }
 
 uint32_t hal_overruns(hal_port_t port)
@@ -75,37 +73,12 @@ uint32_t hal_overruns(hal_port_t port)
 
 size_t hal_write(hal_port_t port, const uint8_t *buf, size_t n)
 {
-    size_t taken = 0;
     if (port != HAL_PORT_OUT) { return 0; }
-    while (taken < n && ring_put(&sent, buf[taken])) { taken++; }
+    const size_t taken = ring_write(&sent, buf, n);
     interrupts_off();
     transmit();
     interrupts_on();
     return taken;
-}
-
-pel_time_t hal_gps_time(void)
-{
-    return 0;
-}
-
-bool hal_pps(int64_t *clock_ns)
-{
-    (void)clock_ns;
-    return false;
-}
-
-bool hal_event(int64_t *clock_ns, uint32_t *id)
-{
-    (void)clock_ns;
-    (void)id;
-    return false;
-}
-
-bool hal_load_config(pel_nav_config_t *cfg)
-{
-    (void)cfg;
-    return false;
 }
 
 void hal_idle(void)

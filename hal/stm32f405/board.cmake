@@ -6,7 +6,7 @@ set(PEL_BOARD_DEFINITIONS PEL_MAX_OBS=64 PEL_MAX_SATS=32 PEL_MAX_EPH=40 PEL_MAX_
     PEL_IMU_RING=128 PEL_POSE_RING=64 PEL_NAV_SLOTS=32)
 
 set(PEL_BOARD_SOURCES stm32f405/startup.c stm32f405/clock.c common/semihost.c common/arm_double_add.c) # of every program
-set(PEL_BOARD_DRIVERS stm32f405/ports.c stm32f405/pulses.c stm32f405/store.c) # of the firmware
+set(PEL_BOARD_DRIVERS stm32f405/ports.c stm32f405/pulses.c stm32f405/store.c common/no_time.c common/no_config.c) # of the firmware
 set(PEL_BOARD_LINK_OPTIONS --specs=nano.specs -Wl,--wrap=__aeabi_dadd,--wrap=__aeabi_dsub)
 set(PEL_BOARD_LINKER_SCRIPT stm32f405/stm32f405.ld)
 set(PEL_BOARD_INCLUDES stm32f405)

@@ -126,9 +126,7 @@ bool hal_running(void)
 
 size_t hal_read(hal_port_t port, uint8_t *buf, size_t cap)
 {
-    size_t n = 0;
-    while (n < cap && ring_get(&ports[port].ring, &buf[n])) { n++; }
-    return n;
+    return ring_read(&ports[port].ring, buf, cap);
 }
 
 uint32_t hal_overruns(hal_port_t port)
@@ -138,23 +136,11 @@ uint32_t hal_overruns(hal_port_t port)
 
 size_t hal_write(hal_port_t port, const uint8_t *buf, size_t n)
 {
-    size_t taken = 0;
-    while (taken < n && ring_put(&ports[port].ring, buf[taken])) { taken++; }
+    const size_t taken = ring_write(&ports[port].ring, buf, n);
     __asm volatile("cpsid i" ::: "memory");
     transmit(&ports[port]);
     __asm volatile("cpsie i" ::: "memory");
     return taken;
-}
-
-pel_time_t hal_gps_time(void)
-{
-    return 0;
-}
-
-bool hal_load_config(pel_nav_config_t *cfg)
-{
-    (void)cfg;
-    return false;
 }
 
 void hal_idle(void)
