@@ -28,8 +28,11 @@ def test_every_board_is_expected_here():
 @pytest.fixture(scope="module")
 def said(tmp_path_factory):
     """What each board says; all at once, they mostly wait."""
+    folder = tmp_path_factory.mktemp("conformance")      # here: the factory is not for several threads
+
     def run(name):
-        wires = uart.Wires(Board(name), "conformance", tmp_path_factory.mktemp(name))
+        (folder / name).mkdir()
+        wires = uart.Wires(Board(name), "conformance", folder / name)
         try:
             return wires.loop(b"DONE\r\n", 90).decode("ascii", "replace")
         finally:
