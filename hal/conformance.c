@@ -243,6 +243,10 @@ static void check_store(void)
     say(rewritten ? PASS : FAIL, "store slot is written again", "the old is gone", 0, NULL);
     say(slot_holds(1, 22, STORE_BYTES) ? PASS : FAIL, "store leaves the other slot alone", "slot", 1, "");
 
+    const bool voided = write_slot(0, 44, 50) == 50 && hal_store_void(0) && !slot_holds(0, 44, 50) &&
+                        slot_holds(1, 22, STORE_BYTES) && write_slot(0, 33, 37) == 37 && slot_holds(0, 33, 37);
+    say(voided ? PASS : FAIL, "store slot is void when told", "and written again", 0, NULL);
+
     uint8_t small[8] = {0};
     const bool refused = hal_store_read(1, small, sizeof small) == 0 && hal_store_read(-1, small, sizeof small) == 0 &&
                          hal_store_write(-1, small, sizeof small) == 0 &&

@@ -53,6 +53,9 @@ bool hal_load_config(pel_nav_config_t *cfg);
 size_t hal_store_read(int slot, uint8_t *buf, size_t cap);
 size_t hal_store_write(int slot, const uint8_t *buf, size_t n);
 
+/* The slot reads as 0 bytes from now on. Called in motion: no erase, nothing that takes long. */
+bool hal_store_void(int slot);
+
 /* Tell the watchdog the loop is alive. */
 void hal_watchdog_kick(void);
 

@@ -51,7 +51,7 @@ static void send_outputs(void)
                 counters_due_ns = navigator.epoch_solution.t_ns + COUNTERS_EVERY_NS;
                 send_counters(navigator.epoch_solution.t_ns);
             }
-            store_save_if_due(&navigator, frame, sizeof frame);
+            store_keep(&navigator, frame, sizeof frame);
             break;
         case PEL_NAV_WARM: send(pel_out_encode_warm(&navigator.warm.report, frame, sizeof frame)); break;
         }

@@ -8,7 +8,7 @@ static struct {
     int next_slot;
     uint32_t next_sequence;
     pel_time_t saved_ns;
-    bool saved_still;
+    bool holds_one; /* a whole one may be in a slot */
 } store;
 
 /* The slot with the newest whole snapshot, or, if there is none, one that holds something else; -1: both are empty. */
@@ -34,18 +34,27 @@ static int find_newest(uint8_t *buf, size_t cap)
 void store_restore(pel_navigator_t *nav, uint8_t *buf, size_t cap)
 {
     store.saved_ns = 0;
-    store.saved_still = false;
     const int slot = find_newest(buf, cap);
+    store.holds_one = slot >= 0;
     if (slot >= 0) { (void)pel_snapshot_restore(nav, buf, hal_store_read(slot, buf, cap)); }
 }
 
-void store_save_if_due(const pel_navigator_t *nav, uint8_t *buf, size_t cap)
+/* An attitude of before must not be found after a power cut under way. */
+static void forget(void)
 {
-    if (!pel_snapshot_is_due(nav, store.saved_ns, store.saved_still)) { return; }
+    bool all = true;
+    for (int slot = 0; slot < N_SLOTS; slot++) { all = hal_store_void(slot) && all; }
+    store.holds_one = !all;
+}
+
+void store_keep(const pel_navigator_t *nav, uint8_t *buf, size_t cap)
+{
+    if (store.holds_one && pel_snapshot_is_outlived(nav)) { forget(); }
+    if (!pel_snapshot_is_due(nav, store.saved_ns)) { return; }
     const size_t n = pel_snapshot_encode(nav, store.next_sequence, buf, cap);
     if (n == 0) { return; }
     store.saved_ns = nav->at_horizon.t_ns; /* also after a failure: a worn store is not tried at each epoch */
-    store.saved_still = pel_snapshot_is_still(nav);
+    store.holds_one = true;
     if (hal_store_write(store.next_slot, buf, n) != n) { return; } /* the same slot again: it holds nothing whole now */
     store.next_slot = 1 - store.next_slot;
     store.next_sequence++;

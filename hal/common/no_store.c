@@ -16,3 +16,9 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
     (void)n;
     return 0;
 }
+
+bool hal_store_void(int slot)
+{
+    (void)slot;
+    return true;
+}

@@ -290,6 +290,12 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
     return written;
 }
 
+bool hal_store_void(int slot)
+{
+    char path[4096];
+    return !store_path(slot, path, sizeof path) || remove(path) == 0 || errno == ENOENT;
+}
+
 void hal_watchdog_kick(void) {}
 
 void hal_idle(void)

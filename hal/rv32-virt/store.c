@@ -1,7 +1,8 @@
 /* store.c - two slots in the board's second flash: common flash interface, Intel's command set, two 16-bit chips side by side, blocks
  * of 256 KB (JEDEC JESD68.01; Intel 28F640J3 data sheet).
  *
- * A slot is length, check, payload, then a word that is written last: cut short, it does not count. */
+ * A slot is length, check, payload, then a word that is written last: cut short, it does not count. Flash clears bits without an erase: a
+ * slot is void when that word is zero. */
 #include <string.h>
 
 #include "pelorus/filter.h"
@@ -79,4 +80,13 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
     ok = ok && program(&b[LAST], COMPLETE);
     *b = CFI_READ;
     return ok ? n : 0;
+}
+
+bool hal_store_void(int slot)
+{
+    if (slot < 0 || slot >= SLOTS) { return false; }
+    volatile uint32_t *b = block(slot);
+    const bool ok = program(&b[LAST], 0);
+    *b = CFI_READ;
+    return ok;
 }

@@ -73,6 +73,13 @@ int64_t hal_clock_ns(void)
     return ticks * STM32_NS_PER_TICK;
 }
 
+/* When the timer stood at this count, at most half a turn ago. */
+int64_t stm32_clock_at_ns(uint32_t count)
+{
+    (void)hal_clock_ns();
+    return (ticks - (int64_t)(last_count - count)) * STM32_NS_PER_TICK;
+}
+
 /* 4 s of the 32 kHz oscillator; it cannot be stopped again. */
 void stm32_watchdog_start(void)
 {

@@ -8,9 +8,7 @@
 static bool captured(uint32_t flag, const volatile uint32_t *at, int64_t *clock_ns)
 {
     if ((TIM2->SR & flag) == 0) { return false; }
-    const int64_t now_ns = hal_clock_ns();
-    const uint32_t age = TIM2->CNT - *at; /* reading the capture clears its flag */
-    *clock_ns = now_ns - (int64_t)age * STM32_NS_PER_TICK;
+    *clock_ns = stm32_clock_at_ns(*at); /* reading the capture clears its flag */
     return true;
 }
 

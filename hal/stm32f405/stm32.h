@@ -88,6 +88,9 @@ typedef struct {
 void stm32_clocks_start(void);
 const stm32_clocks_t *stm32_clocks(void);
 
+/* When TIM2 stood at this count, at most half a turn ago. */
+int64_t stm32_clock_at_ns(uint32_t count);
+
 void stm32_watchdog_start(void);
 
 /* Pin of GPIO port 'A'.. as alternate function af, pulled up. */

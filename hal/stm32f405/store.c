@@ -1,7 +1,9 @@
 /* store.c - two slots in the last two sectors of flash, 128 KB each (RM0090 chapter 3). The linker script keeps code out of them.
  *
- * A slot is its payload, then length, check and a word that is written last: cut short, it does not count. Erasing takes one to two
+ * A slot is its payload, then length, check and a word that is written last: cut short, it does not count. Flash clears bits without an
+ * erase: a slot is void when that word is zero. Erasing takes one to two
  * seconds in which the core stands still: write while the product does, never in motion. */
+#include <stddef.h>
 #include <string.h>
 
 #include "pelorus/filter.h"
@@ -56,6 +58,13 @@ static bool program(uint32_t address, const void *from, size_t n)
     return true;
 }
 
+static void unlock(void)
+{
+    FLASH_KEYR = 0x45670123u;
+    FLASH_KEYR = 0xCDEF89ABu;
+    FLASH_SR = FLASH_BAD;
+}
+
 size_t hal_store_read(int slot, uint8_t *buf, size_t cap)
 {
     trailer_t t;
@@ -72,11 +81,19 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
 {
     if (slot < 0 || slot >= SLOTS || n == 0 || n > SLOT_BYTES - sizeof(trailer_t)) { return 0; }
     const trailer_t t = {(uint32_t)n, pel_fnv1a(buf, n, PEL_FNV_START), COMPLETE};
-    FLASH_KEYR = 0x45670123u;
-    FLASH_KEYR = 0xCDEF89ABu;
-    FLASH_SR = FLASH_BAD;
+    unlock();
     const bool ok =
         erase(slot) && program(SLOT_BASE + SLOT_BYTES * (uint32_t)slot, buf, n) && program(TRAILER(slot), &t, sizeof t);
     FLASH_CR = FLASH_LOCK;
     return ok ? n : 0;
+}
+
+bool hal_store_void(int slot)
+{
+    const uint32_t no = 0;
+    if (slot < 0 || slot >= SLOTS) { return false; }
+    unlock();
+    const bool ok = program(TRAILER(slot) + (uint32_t)offsetof(trailer_t, complete), &no, sizeof no);
+    FLASH_CR = FLASH_LOCK;
+    return ok;
 }

@@ -49,10 +49,16 @@ def standing(folder):
 
 @pytest.fixture(scope="module")
 def stored(folder, standing):
-    """Two slots, as the power cut left them."""
+    """The store's first slot, as the power cut left it."""
     eventlog.write(folder / "before.log", keep(standing, 0, OFF_S))
     call("pelorus-sil", folder / "before.log", "-o", folder / "before.out", "-q", "--store", folder / "store")
-    return [(folder / f"store.{i}").read_bytes() for i in (0, 1)]
+    return [(folder / "store.0").read_bytes()]
+
+
+@pytest.fixture(scope="module")
+def moves_on(folder):
+    """Stands from 135 to 235 s, then goes elsewhere."""
+    return drive(folder, "moves_on", "{ duration_s = 100 },\n    { duration_s = 10, to_speed_mps = 10 },\n    { duration_s = 10, to_speed_mps = 0 },\n    { duration_s = 200 }")
 
 
 def power_on(folder, rows, slots, name):
@@ -78,7 +84,8 @@ def test_attitude_is_there_at_the_first_epoch(folder, standing, stored):
     print(f"verdict {verdict(run)}, age {run.frames.warm['age_s'][0]:.1f} s; first epoch flags {epochs['flags'][0]:#x}, {len(epochs)} epochs")
     assert verdict(run) == "used" and from_bytes_s == 0.0
     assert epochs["flags"][0] & frames.SOL_INS and epochs["flags"][0] & frames.SOL_HEADING
-    assert 59.0 < run.frames.warm["age_s"][0] < 122.0
+    stood_s = OFF_S - 135.0                               # the snapshot is of its beginning
+    assert 59.0 + stood_s - 10.0 < run.frames.warm["age_s"][0] < 62.0 + stood_s + 10.0
     e = stats.Errors(epochs, truth.from_events(run.truth_events, "on"), lever_ba_b=run.lever_ba_b)
     for group in ("att", "pos", "vel"):
         z = np.abs(e.err[group]) / e.sd[group]
@@ -93,9 +100,8 @@ def test_without_a_store_the_same_start_has_no_attitude(folder, standing):
     assert run.frames.warm.size == 0 and not (run.sol["flags"] & frames.SOL_INS).any()
 
 
-def test_moved_while_off_is_refused_by_place(folder, stored):
-    rows = drive(folder, "moved", "{ duration_s = 100 },\n    { duration_s = 10, to_speed_mps = 10 },\n    { duration_s = 10, to_speed_mps = 0 },\n    { duration_s = 200 }")
-    assert verdict(power_on(folder, keep(rows, ON_S, 330), stored, "moved_on")) == "moved"
+def test_moved_while_off_is_refused_by_place(folder, stored, moves_on):
+    assert verdict(power_on(folder, keep(moves_on, ON_S, 330), stored, "moved_on")) == "moved"
 
 
 def test_tilted_while_off_is_refused_by_gravity(folder, standing, stored):
@@ -121,11 +127,12 @@ def test_rocking_while_it_starts_is_refused(folder, standing, stored):
     assert verdict(power_on(folder, rows, stored, "rocking")) == "not still"
 
 
-def test_taken_under_way_is_refused(folder, standing):
-    eventlog.write(folder / "drive.log", keep(standing, 0, 100))
-    call("pelorus-sil", folder / "drive.log", "-o", folder / "drive.out", "-q", "--store", folder / "drive")
-    slots = [(folder / f"drive.{i}").read_bytes() for i in (0, 1) if (folder / f"drive.{i}").exists()]
-    assert verdict(power_on(folder, keep(standing, ON_S, 330), slots, "under_way")) == "taken under way"
+def test_motion_leaves_nothing_to_start_from(folder, moves_on):
+    """The power goes while it stands, or as it has moved on for some seconds."""
+    for name, end_s, there in (("stood", 230, True), ("left", 245, False)):
+        eventlog.write(folder / f"{name}.log", keep(moves_on, 0, end_s))
+        call("pelorus-sil", folder / f"{name}.log", "-o", folder / f"{name}.out", "-q", "--store", folder / name)
+        assert (folder / f"{name}.0").exists() == there
 
 
 def test_too_old_is_refused(folder, standing, stored):
@@ -140,9 +147,6 @@ def test_another_lever_arm_is_refused(folder, standing, stored):
 
 
 def test_one_torn_slot_is_no_matter(folder, standing, stored):
-    newer = max((0, 1), key=lambda i: int.from_bytes(stored[i][8:12], "little"))
-    torn = list(stored)
-    torn[1 - newer] = torn[1 - newer][:100]
-    assert verdict(power_on(folder, keep(standing, ON_S, 330), torn, "torn")) == "used"
-    torn = [b"PELS" + bytes(300), stored[0][:50]]
-    assert verdict(power_on(folder, keep(standing, ON_S, 330), torn, "torn_both")) == "damaged"
+    whole = stored[0]
+    assert verdict(power_on(folder, keep(standing, ON_S, 330), [whole[:100], whole], "torn")) == "used"
+    assert verdict(power_on(folder, keep(standing, ON_S, 330), [b"PELS" + bytes(300), whole[:50]], "torn_both")) == "damaged"

@@ -2,12 +2,12 @@
  *
  * A snapshot is bytes in the board's non-volatile store: version, sequence, time, state, sensor errors, a mark of the configuration
  * it was made under, station, ephemerides, CRC-32. It is taken up only while standing, and only if it was taken standing: an
- * attitude holds over a power cut because nothing moved. Age, place, gravity and Earth rate are checked at the first epoch;
+ * attitude holds over a power cut because nothing moved. The first motion makes it void in the store. Age, place, gravity and Earth rate are checked at the first epoch;
  * what speaks against it is told as one pel_snap_t. A turn about the plumb line at the same place is seen only by gyros that
  * feel the Earth's rate (docs/SURVIVAL.md).
  *
- * Use: encode when pel_snapshot_is_due() into the slot that does not hold the newest one; at start check both slots, restore the newest
- * right after pel_navigator_init() (hal/store.c). A write that was cut anywhere leaves the other slot whole. */
+ * Use: encode when pel_snapshot_is_due() into the slot that does not hold the newest one, void both when pel_snapshot_is_outlived(); at
+ * start check both slots, restore the newest right after pel_navigator_init() (hal/store.c). A write that was cut anywhere leaves the other slot whole. */
 #ifndef PELORUS_SNAPSHOT_H
 #define PELORUS_SNAPSHOT_H
 
@@ -54,12 +54,12 @@ typedef struct {
  * not older than coast_after_s, healthy factors. */
 size_t pel_snapshot_encode(const struct pel_navigator_t *nav, uint32_t sequence, uint8_t *out, size_t cap);
 
-/* Is it time to store one? Once a minute, and as soon as it has stood for three seconds if the last one was of motion.
- * last: the snapshot stored last (t_ns 0: none). */
-bool pel_snapshot_is_due(const struct pel_navigator_t *nav, pel_time_t last_ns, bool last_was_still);
+/* Is it time to store one? When nav has stood for three seconds, once a standstill and not oftener than once a minute; again each hour
+ * that it lasts. last_ns: when the last one was stored; 0: none in this life. */
+bool pel_snapshot_is_due(const struct pel_navigator_t *nav, pel_time_t last_ns);
 
-/* Does nav stand still, long enough for a snapshot's attitude to be taken up again? */
-bool pel_snapshot_is_still(const struct pel_navigator_t *nav);
+/* Does nav move, so that no snapshot of a standstill holds any more? */
+bool pel_snapshot_is_outlived(const struct pel_navigator_t *nav);
 
 /* Are these bytes a whole snapshot? PEL_SNAP_WAITING with its sequence; PEL_SNAP_NONE (erased: all 0xFF, or n = 0), _DAMAGED, _NEWER with
  * sequence unchanged. Bytes behind the snapshot (the rest of the slot) do not matter. */

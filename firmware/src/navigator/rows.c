@@ -170,9 +170,10 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
         if (whitened && kind == CODE && u->held_used >= 3) { pel_nav_hold_watch_row(nav, &row, u->ant.i_r); }
         const bool learns = whitened && nav->noise_level.learning && kind != RATE;
+        const double var_row = (double)row.var; /* as nis judges it */
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
         const bool used = whitened && update_robustly(nav, &row, &nis);
-        if (used && learns) { pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, (double)row.var); }
+        if (used && learns) { pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, var_row); }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, row.h);
             u->nis += (float)nis;

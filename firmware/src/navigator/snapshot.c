@@ -10,8 +10,10 @@
 
 #define MAGIC          UINT32_C(0x534C4550) /* "PELS" */
 #define CRC_BYTES      4u
-#define HEAD_BYTES     12u /* magic, version, length, sequence */
-#define EVERY_NS       (60 * PEL_NS_PER_S)
+#define HEAD_BYTES     12u                   /* magic, version, length, sequence */
+#define NEXT_STAND_NS  (60 * PEL_NS_PER_S)   /* a store wears out: not at every traffic light */
+#define SAME_STAND_NS  (3600 * PEL_NS_PER_S) /* an older one is worth less (warm_max_age_s) */
+#define MOVING_MPS     0.5                   /* of GNSS alone */
 #define HEADING_SD_MAX (20.0 * PEL_DEG)
 #define STILL_MIN_NS   (3 * PEL_NS_PER_S)
 #define LARGEST_ERROR  100.0 /* of a sensor, rad/s or m/s^2: beyond what any product measures */
@@ -163,6 +165,12 @@ static uint32_t hash_mount(const pel_nav_config_t *cfg)
 
 /* ---- taking it ----------------------------------------------------------------------------------------------------------- */
 
+static bool is_still(const pel_navigator_t *nav)
+{
+    const pel_time_t since_ns = nav->warm.still_since_ns;
+    return since_ns != 0 && nav->at_horizon.t_ns - since_ns >= STILL_MIN_NS;
+}
+
 static bool is_worth_keeping(const pel_navigator_t *nav)
 {
     const double age_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->last_epoch_ns);
@@ -192,7 +200,7 @@ static void take(const pel_navigator_t *nav, pel_snapshot_t *s)
     s->config_hash = hash_config(&nav->cfg);
     s->mount_hash = hash_mount(&nav->cfg);
     s->t_ns = nav->at_horizon.t_ns;
-    if (pel_snapshot_is_still(nav)) { s->still_s = (float)pel_time_diff_s(s->t_ns, nav->warm.still_since_ns); }
+    if (is_still(nav)) { s->still_s = (float)pel_time_diff_s(s->t_ns, nav->warm.still_since_ns); }
     pel_nav_antenna(nav, &ant, s->r_ea_e, v_ea_e);
     pel_nav_antenna_cov(nav, &ant, false, P);
     pack(P, s->cov_r_e);
@@ -234,18 +242,18 @@ size_t pel_snapshot_encode(const pel_navigator_t *nav, uint32_t sequence, uint8_
     return io.n + CRC_BYTES;
 }
 
-bool pel_snapshot_is_still(const pel_navigator_t *nav)
+bool pel_snapshot_is_due(const pel_navigator_t *nav, pel_time_t last_ns)
 {
-    const pel_time_t since_ns = nav->warm.still_since_ns;
-    return since_ns != 0 && nav->at_horizon.t_ns - since_ns >= STILL_MIN_NS;
+    const pel_time_t t_ns = nav->at_horizon.t_ns;
+    const pel_time_t wait_ns = (last_ns >= nav->warm.still_since_ns) ? SAME_STAND_NS : NEXT_STAND_NS;
+    const bool none = last_ns == 0 || last_ns > t_ns;
+    return is_still(nav) && (none || t_ns - last_ns >= wait_ns) && is_worth_keeping(nav);
 }
 
-bool pel_snapshot_is_due(const pel_navigator_t *nav, pel_time_t last_ns, bool last_was_still)
+bool pel_snapshot_is_outlived(const pel_navigator_t *nav)
 {
-    if (!is_worth_keeping(nav)) { return false; }
-    const pel_time_t t_ns = nav->at_horizon.t_ns;
-    return last_ns == 0 || t_ns >= last_ns + EVERY_NS || t_ns < last_ns ||
-           (!last_was_still && pel_snapshot_is_still(nav));
+    if (!nav->have_state) { return false; }
+    return nav->ins ? nav->warm.still_since_ns == 0 : pel_norm3(nav->at_horizon.v_eb_e) > MOVING_MPS;
 }
 
 /* ---- giving it back -------------------------------------------------------------------------------------------------------- */

@@ -36,6 +36,12 @@ size_t hal_store_write(int slot, const uint8_t *buf, size_t n)
     return n;
 }
 
+bool hal_store_void(int slot)
+{
+    memset(slot_bytes[slot], 0xFF, SLOT_BYTES);
+    return true;
+}
+
 /* ---- a navigator worth keeping ------------------------------------------------------------------------------------------- */
 
 static pel_navigator_t nav, next_life;
@@ -161,7 +167,7 @@ static void any_shorter_length_is_damage_or_nothing(void)
 static void save(pel_time_t t_ns, double heading_rad)
 {
     at_rest(t_ns, heading_rad);
-    store_save_if_due(&nav, buf, sizeof buf);
+    store_keep(&nav, buf, sizeof buf);
 }
 
 /* Two saves that went well, then one that is cut, then a start: what comes back is the second or the third, whole. */
@@ -184,7 +190,7 @@ static void cut_at_every_byte(int saves_before)
         new = next_life.warm.kept;
 
         cut_after = cut;
-        store_save_if_due(&nav, buf, sizeof buf);
+        store_keep(&nav, buf, sizeof buf);
         cut_after = SIZE_MAX;
         pel_navigator_init(&next_life, &cfg);
         store_restore(&next_life, buf, sizeof buf);
@@ -226,6 +232,62 @@ static void a_failed_write_does_not_move_on_to_the_good_slot(void)
     save(T0 + 61 * PEL_NS_PER_S, 1.0);
     save(T0 + 122 * PEL_NS_PER_S, 1.0);
     TEST_ASSERT_NOT_EQUAL(good, last_slot_written);
+}
+
+static int kept(void)
+{
+    int n = 0;
+    for (int slot = 0; slot < 2; slot++) {
+        uint32_t sequence;
+        n += pel_snapshot_check(slot_bytes[slot], SLOT_BYTES, &sequence) == PEL_SNAP_WAITING;
+    }
+    return n;
+}
+
+static void stand(double since_s, double now_s)
+{
+    at_rest(T0 + (pel_time_t)(now_s * 1e9), 1.0);
+    nav.warm.still_since_ns = T0 + (pel_time_t)(since_s * 1e9);
+    store_keep(&nav, buf, sizeof buf);
+}
+
+static void a_standstill_is_kept_once_and_again_after_an_hour(void)
+{
+    memset(slot_bytes, 0xFF, sizeof slot_bytes);
+    store_restore(&nav, buf, sizeof buf);
+    stand(0.0, 2.9);
+    TEST_ASSERT_EQUAL_INT(0, kept());
+    stand(0.0, 3.0);
+    TEST_ASSERT_EQUAL_INT(1, kept());
+    stand(0.0, 3602.9);
+    TEST_ASSERT_EQUAL_INT(1, kept());
+    stand(0.0, 3603.0);
+    TEST_ASSERT_EQUAL_INT(2, kept());
+}
+
+static void motion_voids_what_is_kept_and_the_next_standstill_waits_for_its_minute(void)
+{
+    memset(slot_bytes, 0xFF, sizeof slot_bytes);
+    store_restore(&nav, buf, sizeof buf);
+    stand(0.0, 10.0);
+    TEST_ASSERT_EQUAL_INT(1, kept());
+    at_rest(T0 + 11 * PEL_NS_PER_S, 1.0);
+    nav.warm.still_since_ns = 0;
+    store_keep(&nav, buf, sizeof buf);
+    TEST_ASSERT_EQUAL_INT(0, kept());
+    stand(30.0, 69.9);
+    TEST_ASSERT_EQUAL_INT(0, kept());
+    stand(30.0, 70.0);
+    TEST_ASSERT_EQUAL_INT(1, kept());
+
+    store_restore(&nav, buf, sizeof buf); /* another life: GNSS alone sees it move */
+    nav.ins = false;
+    nav.at_horizon.v_eb_e[1] = 0.4;
+    store_keep(&nav, buf, sizeof buf);
+    TEST_ASSERT_EQUAL_INT(1, kept());
+    nav.at_horizon.v_eb_e[1] = 0.6;
+    store_keep(&nav, buf, sizeof buf);
+    TEST_ASSERT_EQUAL_INT(0, kept());
 }
 
 static void reseal(size_t n)
@@ -297,6 +359,8 @@ int main(void)
     RUN_TEST(a_power_cut_at_any_byte_written_over_leaves_old_or_new);
     RUN_TEST(a_power_cut_at_any_byte_after_an_erase_leaves_old_or_new);
     RUN_TEST(a_failed_write_does_not_move_on_to_the_good_slot);
+    RUN_TEST(a_standstill_is_kept_once_and_again_after_an_hour);
+    RUN_TEST(motion_voids_what_is_kept_and_the_next_standstill_waits_for_its_minute);
     RUN_TEST(a_newer_version_is_refused_as_such);
     RUN_TEST(numbers_that_cannot_be_are_refused_whatever_the_checksum_says);
     RUN_TEST(another_mounting_or_imu_is_refused);
