@@ -147,8 +147,7 @@ def judge(job):
     rows, clean_rows, start_s, end_s = faulty(folder, name, line, phase)
     tag = f"{name} {line} {phase}".replace(" ", "_").replace(",", "")
     result, clean = run(folder, rows, tag), run(folder, clean_rows, tag)
-    begin = result.errors and min(e for e in map(truth_begin, (result,)))
-    clean_begin = truth_begin(clean)
+    begin, clean_begin = truth_begin(result), truth_begin(clean)
     at_s = np.arange(0.0, DURATION_S - 1.0, 0.1)
     mine = rank_at(result.sol["t_ns"], result.sol, begin + at_s * 1e9)
     theirs = rank_at(clean.sol["t_ns"], clean.sol, clean_begin + at_s * 1e9)
@@ -161,9 +160,16 @@ def judge(job):
     what, share, beyond = beyond_bound(result)
     span = (result.sol["t_ns"] - begin) * 1e-9
     stray = int(np.sum((span < -1.0) | (span > DURATION_S + 1.0)))
-    finite = bool(np.isfinite(result.sol["r_eb_e"]).all() and np.isfinite(result.sol["hpl_m"]).all())
     return {"fault": name, "line": line, "phase": phase, "worst": word(lost.min()) if worse.size else "as ever",
-            "recovery": recovered, "what": what, "share": share, "beyond": beyond, "stray": stray, "finite": finite}
+            "recovery": recovered, "what": what, "share": share, "beyond": beyond, "stray": stray, "sound": is_sound(result.sol)}
+
+
+def is_sound(sol):
+    """Every number told is finite and every sigma positive: a NaN would count as within its bound."""
+    heading = sol[(sol["flags"] & outlog.frames.SOL_HEADING) != 0]
+    numbers = [sol[f] for f in ("r_eb_e", "v_ned", "hpl_m", "vpl_m")] + [heading[f] for f in ("roll_rad", "pitch_rad", "heading_rad")]
+    variances = [c[:, (0, 3, 5)] for c in (sol["cov_r_ned"], sol["cov_v_ned"], heading["cov_att"])]
+    return all(np.isfinite(x).all() for x in numbers) and all((np.isfinite(v) & (v > 0)).all() for v in variances)
 
 
 def truth_begin(result):
@@ -191,8 +197,8 @@ def complaints(cell, expected):
         out.append(f"{cell['what']} error is {cell['share']:.2f} of its bound, {cell['beyond']:.1f} s beyond")
     if cell["stray"]:
         out.append(f"{cell['stray']} solutions of another time")
-    if not cell["finite"]:
-        out.append("not finite")
+    if not cell["sound"]:
+        out.append("a number not finite, or a variance not positive")
     if expected is None:
         return [*out, "not in the table"]
     worst, limit_s = expected[:2]

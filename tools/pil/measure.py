@@ -48,8 +48,11 @@ class Load:
         self.rows_an_epoch = counters["rows_used"] / counters["epochs_used"]
         self.epochs_a_second = counters["epochs_used"] / SECONDS
         self.imu_a_second = counters["imu_used"] / SECONDS
-        if not self.cost.count["epoch"] or not self.cost.count["row"]:
-            raise RuntimeError("no epoch or no row was counted: do the names in hal/pil/cost.c still exist?")
+        counted = [self.cost.count[k] for k in ("imu step", "epoch", "row", "slice")]
+        if not all(counted):
+            raise RuntimeError(f"IMU steps, epochs, rows, slices counted: {counted}: do the names in hal/pil/cost.c still exist?")
+        if self.imu_a_second < 195 or self.epochs_a_second < 19 or self.rows_an_epoch < 20:
+            raise RuntimeError(f"not full load: {self.imu_a_second:.0f} IMU samples, {self.epochs_a_second:.1f} epochs of {self.rows_an_epoch:.1f} rows a second")
 
     def a_second(self, *kinds):
         return sum(self.cost.total[k] for k in kinds) / SECONDS

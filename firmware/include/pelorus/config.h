@@ -34,7 +34,7 @@
 #define PEL_MAX_AMB 40
 #endif
 
-/* IMU increments kept for epochs that arrive late; 72 bytes each. 256 at 500 Hz is 0.51 s. */
+/* IMU increments kept for epochs that arrive late; 76 bytes each. 256 at 500 Hz is 0.51 s. */
 #ifndef PEL_IMU_RING
 #define PEL_IMU_RING 256
 #endif

@@ -1,7 +1,8 @@
 /* filter.h - the estimator: error state x and its covariance P = U diag(D) U'. Room: filter/.
  *
  * U is unit upper triangular, packed by columns without its diagonal; D > 0. Every update is one scalar row; correlated
- * measurements are whitened before (observe.h). Nothing here knows what a state means.
+ * measurements are whitened before (observe.h). Nothing but propagation (pel_propagat*) knows what a state
+ * means.
  * Closed loop: after the rows of an epoch the navigator subtracts x from its state and clears x.
  * Sources: Bierman (1977), Factorization Methods for Discrete Sequential Estimation, ch. V and VI; Agee and Turner (1972), rank-one
  * update; Gentleman (1973), J. IMA 12, scaled rotations. */
@@ -112,7 +113,7 @@ pel_status_t pel_ud_combine(pel_ud_t *ud, int i, int k, pel_real a);
 /* Change the sign of state i. */
 pel_status_t pel_ud_negate(pel_ud_t *ud, int i);
 
-/* Exchange states i and i + 1. 4 i multiply-adds. PEL_E_RANGE unless 0 <= i, i + 1 < n. */
+/* Exchange states i and i + 1. 2 i multiply-adds. PEL_E_RANGE unless 0 <= i, i + 1 < n. */
 pel_status_t pel_ud_swap(pel_ud_t *ud, int i);
 
 /* States first..first+n-1 are differences against a common reference, x_j = X_j - X_0; make state p the reference:
@@ -168,7 +169,7 @@ pel_status_t pel_propagator_flush_enu(pel_propagator_t *p, const pel_model_t *m,
  * PEL_E_RANGE (ud unchanged) unless dt_s > 0 and ud is of this model. 5 rank-one updates with two offsets. */
 pel_status_t pel_propagate_offsets(const pel_model_t *m, const pel_drift_model_t *drift, double dt_s, pel_ud_t *ud);
 
-/* Model without IMU: time update over dt_s (split into substeps of at most 1 s). */
+/* Model without IMU: time update over dt_s in substeps of 0.25 s, 40 of them at most (then longer). */
 pel_status_t pel_propagate_gnss(const pel_model_t *m, const double r_e[3], double dt_s, pel_ud_t *ud);
 
 #ifdef __cplusplus

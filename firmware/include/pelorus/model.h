@@ -104,7 +104,7 @@ void pel_model_sensor_sd(const pel_model_t *m, pel_real sd[PEL_MAX_STATES]);
 #define PEL_MAX_PHI_BLOCKS 17 /* 15 of the 18 states in local axes, 2 more with an accelerometer constant */
 
 /* Phi = I + sum of 3x3 blocks, and diagonal noise. What Phi adds to I is stored, not Phi: the float digits go to what is small.
- * Blocks are sorted by row. 18 states: about 700 bytes. */
+ * Blocks are sorted by row. 18 states: about 880 bytes. */
 typedef struct {
     int n;
     int n_blocks;

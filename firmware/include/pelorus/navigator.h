@@ -343,7 +343,8 @@ void pel_navigator_push_event(pel_navigator_t *nav, pel_time_t t_ns, uint32_t id
 /* The input has ended: apply one epoch of those still waiting. False when there is none left. */
 bool pel_navigator_flush(pel_navigator_t *nav);
 
-/* The configuration is no longer what was given: memory has changed by itself. All pushes are refused; begin again with
+/* The configuration is no longer what was given: memory has changed by itself. Epochs, ephemerides and stations are refused
+ * and the IMU alone carries on; begin again with
  * pel_navigator_init() and a configuration from elsewhere. */
 bool pel_navigator_is_broken(const pel_navigator_t *nav);
 
