@@ -40,8 +40,9 @@ def test_the_program_shown_is_the_file():
 
 
 def test_files_and_programs_it_names_exist():
-    for path in re.findall(r"\]\(([\w./-]+)\)", README):
-        assert (ROOT / path).exists(), path
+    for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]:
+        for path in re.findall(r"\]\(([\w./-]+)(?:#[\w-]+)?\)", page.read_text()):
+            assert (page.parent / path).exists(), f"{page.name}: {path}"
     for verb in re.findall(r"`make (\w+)", README):
         assert re.search(rf"^{verb}:", (ROOT / "Makefile").read_text(), re.M), verb
 

@@ -1,4 +1,4 @@
-"""WGS-84 and rotations, vectorised over rows. Frames and signs as in docs/CONVENTIONS.md; local axes are NED here."""
+"""WGS-84 and rotations, vectorised over rows. Frames and signs as in firmware/include/pelorus/earth.h; local axes are NED here."""
 
 import numpy as np
 

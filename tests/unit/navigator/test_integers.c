@@ -174,6 +174,7 @@ static void half_a_cycle_that_nobody_told_is_not_fixed(void)
         wrong += nav.epoch_solution.fix == PEL_FIX_FIXED && pair_error_m(&pair, &nav) > WRONG_M;
     }
     TEST_ASSERT_EQUAL(0, wrong);
+    TEST_ASSERT_GREATER_THAN_UINT32(50, nav.counters.epochs_used);
 }
 
 /* Told: the receiver flags it. */
