@@ -251,7 +251,7 @@ void cli_progress(const cli_t *cli, double fraction)
     }
     if (now - shown_s < 0.2) { return; }
     shown_s = now;
-    const int done = (int)(fraction * WIDTH);
+    const int done = (int)(fraction * (double)WIDTH);
     fprintf(stderr, "\r[");
     for (int i = 0; i < WIDTH; i++) { fputc((i < done) ? '=' : ' ', stderr); }
     fprintf(stderr, "] %3.0f %%", 100.0 * fraction);
