@@ -75,7 +75,7 @@ double pel_chi2_tail(int dof, double x)
 /* Start from Wilson and Hilferty (1931), then Newton steps on the logarithm of the tail, which is nearly straight. */
 double pel_chi2_threshold(int dof, double p)
 {
-    if (dof < 1 || dof > 400 || !(p > 0.5 && p <= 1.0 - 1e-9)) { return not_a_number(); }
+    if (dof < 1 || dof > 400 || !(p > 0.5) || !(p <= 1.0 - 1e-9)) { return not_a_number(); }
     const double tail = 1.0 - p;
     const double k = 2.0 / (9.0 * (double)dof);
     const double c = 1.0 - k + pel_normal_quantile(p) * pel_sqrt(k);

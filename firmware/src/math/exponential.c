@@ -6,6 +6,11 @@ static const double LN2_HI = 0x1.62e42fefa3800p-1; /* first 42 bits of ln 2: k L
 static const double LN2_LO = 0x1.ef35793c76730p-45;
 static const double ONE_OVER_LN2 = 0x1.71547652b82fep+0;
 
+static double infinity(void)
+{
+    return from_bits(UINT64_C(0x7FF0000000000000));
+}
+
 /* e^x = 2^k e^r, |r| <= ln(2)/2; e^r = 1 + r + r^2 E(r), polynomial error 1.4e-17. */
 double pel_exp(double x)
 {

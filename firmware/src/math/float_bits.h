@@ -23,10 +23,6 @@ static inline double not_a_number(void)
 {
     return from_bits(UINT64_C(0x7FF8000000000000));
 }
-static inline double infinity(void)
-{
-    return from_bits(UINT64_C(0x7FF0000000000000));
-}
 
 /* 2^k for -1022 <= k <= 1023. */
 static inline double power_of_two(int k)

@@ -79,7 +79,7 @@ pel_status_t pel_path_fit_solve(const pel_path_fit_t *f, double path_m_rts, pel_
     const double var_p2 = white * cofactor[2] + 30.0 / 7.0 * q * T;
     if (T < LONG_S && p[2] * p[2] <= 9.0 * var_p2) {
         order = 1;
-        if (!solve(f, 1, p, cofactor, &sum_sq)) { return PEL_E_GEOMETRY; }
+        (void)solve(f, 1, p, cofactor, &sum_sq); /* a line through samples that are spread is never singular */
         p[2] = 0.0;
     }
     /* the rate at the segment's end: as uncertain as at its start, and moved by 192/35 q T (second order) */

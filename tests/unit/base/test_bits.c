@@ -93,6 +93,80 @@ static void signs(void)
     TEST_ASSERT_TRUE(r.overrun);
 }
 
+/* Whatever is asked of a reader past its end gives 0, and it stays there: what fits behind a refused field is not read either. */
+static void a_reader_never_leaves_its_buffer(void)
+{
+    const uint8_t p[] = {0xA5, 0xFF};
+    pel_bit_reader_t r;
+    pel_bit_reader_init(&r, p, sizeof p);
+    TEST_ASSERT_EQUAL_HEX64(0xA5, pel_read_u(&r, 8));
+    TEST_ASSERT_EQUAL_INT64(-1, pel_read_s(&r, 8)); /* to the last bit is inside */
+    TEST_ASSERT_FALSE(r.overrun);
+    for (int kind = 0; kind < 4; kind++) {
+        pel_bit_reader_init(&r, p, sizeof p);
+        pel_skip_bits(&r, 8);
+        switch (kind) {
+        case 0: TEST_ASSERT_EQUAL_HEX64(0, pel_read_u(&r, 9)); break;
+        case 1: TEST_ASSERT_EQUAL_INT64(0, pel_read_s(&r, 9)); break;
+        case 2: TEST_ASSERT_EQUAL_INT64(0, pel_read_sm(&r, 9)); break;
+        default: pel_skip_bits(&r, SIZE_MAX); break;
+        }
+        TEST_ASSERT_TRUE(r.overrun);
+        TEST_ASSERT_EQUAL_size_t(8, r.pos);
+        TEST_ASSERT_EQUAL_HEX64(0, pel_read_u(&r, 8)); /* would fit */
+        TEST_ASSERT_EQUAL_INT64(0, pel_read_s(&r, 8));
+        TEST_ASSERT_EQUAL_INT64(0, pel_read_sm(&r, 8));
+        TEST_ASSERT_EQUAL_size_t(8, r.pos);
+    }
+}
+
+static void a_writer_that_ran_over_writes_nothing_more(void)
+{
+    uint8_t p[3] = {0, 0, 0x5A};
+    pel_bit_writer_t w;
+    pel_bit_writer_init(&w, p, 2);
+    pel_write_u(&w, 12, 0xABC);
+    pel_write_u(&w, 5, 0x1F); /* one bit too many */
+    pel_write_u(&w, 4, 0xD);  /* would fit */
+    TEST_ASSERT_TRUE(w.overrun);
+    TEST_ASSERT_FALSE(w.out_of_range);
+    TEST_ASSERT_EQUAL_HEX8(0xAB, p[0]);
+    TEST_ASSERT_EQUAL_HEX8(0xC0, p[1]);
+    TEST_ASSERT_EQUAL_HEX8(0x5A, p[2]);
+}
+
+/* Largest and smallest value of each width, and their neighbours outside. */
+static void a_writer_tells_values_that_do_not_fit(void)
+{
+    uint8_t p[8];
+    pel_bit_writer_t w;
+    for (unsigned n = 1; n <= 64u; n++) {
+        const uint64_t most_u = (n < 64u) ? (UINT64_C(1) << n) - 1u : UINT64_MAX;
+        const int64_t most_s = (int64_t)(most_u >> 1);
+        pel_bit_writer_init(&w, p, sizeof p);
+        pel_write_u(&w, n, most_u);
+        TEST_ASSERT_FALSE(w.out_of_range);
+        TEST_ASSERT_EQUAL_HEX64(most_u, pel_bits_u(p, 0, n));
+        const int64_t ends[] = {most_s, -most_s - 1};
+        for (int k = 0; k < 2; k++) {
+            pel_bit_writer_init(&w, p, sizeof p);
+            pel_write_s(&w, n, ends[k]);
+            TEST_ASSERT_FALSE(w.out_of_range);
+            TEST_ASSERT_EQUAL_INT64(ends[k], pel_bits_s(p, 0, n));
+        }
+        if (n == 64u) { continue; } /* everything fits */
+        pel_bit_writer_init(&w, p, sizeof p);
+        pel_write_u(&w, n, most_u + 1u);
+        TEST_ASSERT_TRUE(w.out_of_range);
+        const int64_t beyond[] = {most_s + 1, -most_s - 2};
+        for (int k = 0; k < 2; k++) {
+            pel_bit_writer_init(&w, p, sizeof p);
+            pel_write_s(&w, n, beyond[k]);
+            TEST_ASSERT_TRUE(w.out_of_range);
+        }
+    }
+}
+
 static void a_writer_tells_overflow_and_range(void)
 {
     uint8_t p[2];
@@ -123,6 +197,7 @@ static void little_endian_numbers(void)
     }
     pel_le_put_f32(p, 1.0f);
     TEST_ASSERT_EQUAL_HEX32(0x3F800000u, (uint32_t)pel_le_u(p, 4));
+    TEST_ASSERT_EQUAL_FLOAT(1.0f, pel_le_f32(p));
 }
 
 static void rounding_and_powers(void)
@@ -132,6 +207,11 @@ static void rounding_and_powers(void)
     TEST_ASSERT_EQUAL_INT64(0, pel_round_i64(0.49999999999999994)); /* x + 0.5 would round to 1 */
     TEST_ASSERT_EQUAL_INT64(INT64_C(9007199254740993) - 1, pel_round_i64(9007199254740992.0));
     TEST_ASSERT_EQUAL_INT64(INT64_MIN, pel_round_i64(1e300));
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN, pel_round_i64(-1e300));
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN, pel_round_i64(0x1p62));
+    TEST_ASSERT_EQUAL_INT64(INT64_MIN, pel_round_i64(-0x1p62));
+    TEST_ASSERT_EQUAL_INT64((INT64_C(1) << 62) - 512, pel_round_i64(0x1p62 - 512.0));
+    TEST_ASSERT_EQUAL_INT64(-(INT64_C(1) << 62) + 512, pel_round_i64(512.0 - 0x1p62));
     TEST_ASSERT_EQUAL_INT64(INT64_MIN, pel_round_i64(0.0 / (pel_pow2(0) - 1.0)));
     TEST_ASSERT_EQUAL_DOUBLE(1.0 / 1024.0, pel_pow2(-10));
     TEST_ASSERT_EQUAL_DOUBLE(8589934592.0, pel_pow2(33));
@@ -146,6 +226,9 @@ int main(void)
     RUN_TEST(fletcher_of_an_acknowledge);
     RUN_TEST(fields_at_any_position_and_width);
     RUN_TEST(signs);
+    RUN_TEST(a_reader_never_leaves_its_buffer);
+    RUN_TEST(a_writer_that_ran_over_writes_nothing_more);
+    RUN_TEST(a_writer_tells_values_that_do_not_fit);
     RUN_TEST(a_writer_tells_overflow_and_range);
     RUN_TEST(little_endian_numbers);
     RUN_TEST(rounding_and_powers);

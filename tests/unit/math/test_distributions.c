@@ -68,11 +68,41 @@ static void chi_square_thresholds_are_those_of_the_tables(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-14, erfc(sqrt(3.0)), pel_chi2_tail(1, 6.0));
 }
 
+/* Each argument at both ends of its range and just beyond. */
+static void arguments_outside_their_range_have_no_answer(void)
+{
+    const double nan = (double)NAN;
+    static const int DOF_OUT[] = {0, -1, 401, INT32_MAX, INT32_MIN};
+    for (size_t i = 0; i < sizeof DOF_OUT / sizeof DOF_OUT[0]; i++) {
+        TEST_ASSERT_TRUE(isnan(pel_chi2_tail(DOF_OUT[i], 5.0)));
+        TEST_ASSERT_TRUE(isnan(pel_chi2_threshold(DOF_OUT[i], 0.99)));
+    }
+    static const int DOF_IN[] = {1, 2, 399, 400};
+    for (size_t i = 0; i < sizeof DOF_IN / sizeof DOF_IN[0]; i++) {
+        const int dof = DOF_IN[i];
+        TEST_ASSERT_TRUE(isnan(pel_chi2_tail(dof, -1e-300)) && isnan(pel_chi2_tail(dof, nan)));
+        TEST_ASSERT_EQUAL_DOUBLE(1.0, pel_chi2_tail(dof, 0.0));
+        TEST_ASSERT_TRUE(pel_chi2_tail(dof, 1400.0) >= 0.0 && pel_chi2_tail(dof, 1400.0) < 1e-60);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_chi2_tail(dof, nextafter(1400.0, 2000.0)));
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_chi2_tail(dof, (double)INFINITY));
+        TEST_ASSERT_TRUE(isnan(pel_chi2_threshold(dof, 0.5)) && isnan(pel_chi2_threshold(dof, nan)));
+        TEST_ASSERT_TRUE(isnan(pel_chi2_threshold(dof, nextafter(1.0 - 1e-9, 1.0))));
+        TEST_ASSERT_TRUE(isfinite(pel_chi2_threshold(dof, nextafter(0.5, 1.0))));
+        TEST_ASSERT_TRUE(isfinite(pel_chi2_threshold(dof, 1.0 - 1e-9)));
+    }
+    const double p_out[] = {0.0, -0.1, 1e-300, 1.0, 1.1, nan};
+    for (size_t i = 0; i < sizeof p_out / sizeof p_out[0]; i++) {
+        TEST_ASSERT_TRUE(isnan(pel_normal_quantile(p_out[i])));
+    }
+    TEST_ASSERT_TRUE(isfinite(pel_normal_quantile(2e-300)) && isfinite(pel_normal_quantile(nextafter(1.0, 0.0))));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(normal_probabilities_hold_in_the_tails);
     RUN_TEST(normal_quantile_inverts);
     RUN_TEST(chi_square_thresholds_are_those_of_the_tables);
+    RUN_TEST(arguments_outside_their_range_have_no_answer);
     return UNITY_END();
 }

@@ -107,6 +107,10 @@ static void what_cannot_be_fitted_is_refused(void)
     pel_path_fit_init(&f);
     for (int k = 0; k < 20; k++) { pel_path_fit_add(&f, 5.0 * k, 0.0); } /* few */
     TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_path_fit_solve(&f, WALK, &fit));
+    pel_path_fit_init(&f);
+    for (int k = 0; k < 40; k++) { pel_path_fit_add(&f, 100.0 * (k % 2), 0.0); } /* at two instants: no parabola */
+    pel_path_fit_add(&f, 100.0, 0.0);
+    TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_path_fit_solve(&f, WALK, &fit));
     TEST_ASSERT_EQUAL_INT(7, fit.order);
 }
 

@@ -165,6 +165,37 @@ static void without_attitude_states_the_row_begins_at_position(void)
     for (int k = 0; k < 3; k++) { TEST_ASSERT_DOUBLE_WITHIN(1e-7, pivot.u_e[k] - sat.u_e[k], (double)row.h[3 + k]); }
 }
 
+/* Height of the antenna against central differences, with and without attitude, with and without a deviation of the reference. */
+static void height_row_is_the_derivative_of_the_height(void)
+{
+    const double up_e[3] = {-0.35, 0.78, 0.52};
+    pel_antenna_t ant = {.n_states = N, .i_psi = I_PSI, .i_v = I_V, .i_r = I_R};
+    pel_row_t row;
+    pel_mat3_vec(world.C, world.lever_b, ant.lever_e);
+    pel_observe_height(&ant, up_e, 1.5, 0, &row);
+    TEST_ASSERT_EQUAL_INT(I_PSI, row.first);
+    TEST_ASSERT_EQUAL_INT(N, row.n);
+    TEST_ASSERT_EQUAL_DOUBLE(1.5, (double)row.z);
+    TEST_ASSERT_EQUAL_DOUBLE(-1.0, (double)row.h[0]);
+    for (int i = I_PSI; i < N; i++) {
+        const double e = (i >= I_V) ? 1.0 : 1e-3;
+        const world_t plus = perturbed(i, e), minus = perturbed(i, -e);
+        double r_plus[3], r_minus[3], v[3];
+        antenna(&plus, r_plus, v);
+        antenna(&minus, r_minus, v);
+        const double slope = (pel_dot3(up_e, r_plus) - pel_dot3(up_e, r_minus)) / (2.0 * e);
+        TEST_ASSERT_DOUBLE_WITHIN(2e-6, slope, (double)row.h[i]);
+    }
+
+    ant = (pel_antenna_t){.n_states = 6, .i_psi = -1, .i_v = 0, .i_r = 3};
+    pel_observe_height(&ant, up_e, -0.5, -1, &row);
+    TEST_ASSERT_EQUAL_INT(3, row.first);
+    for (int k = 0; k < 3; k++) {
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, (double)row.h[k]);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-7, up_e[k], (double)row.h[3 + k]);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -172,5 +203,6 @@ int main(void)
     RUN_TEST(rate_row_is_the_derivative_of_the_range_rate);
     RUN_TEST(rate_row_leaves_out_less_than_a_thousandth_of_a_millimetre_per_second_and_metre);
     RUN_TEST(without_attitude_states_the_row_begins_at_position);
+    RUN_TEST(height_row_is_the_derivative_of_the_height);
     return UNITY_END();
 }

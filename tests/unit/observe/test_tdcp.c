@@ -217,6 +217,78 @@ static void gaps_warnings_and_half_cycles_start_anew(void)
     for (int i = 0; i < 5; i++) { TEST_ASSERT_EQUAL_INT(PEL_TDCP_NEW, change[i].kind); } /* lock began within the gap */
 }
 
+/* Lock times of messages that saturate or are rounded down to powers of two do not grow with every epoch: then the gap itself decides. */
+static void a_lock_time_that_stands_still_is_believed_for_a_second(void)
+{
+    static const struct {
+        double gap_s;
+        uint32_t more_ms;
+        int kind;
+    } CASE[] = {
+        {1.0, 0, PEL_TDCP_CONTINUOUS},
+        {1.001, 0, PEL_TDCP_NEW},
+        {2.0, 1999, PEL_TDCP_NEW}, /* grew, but not so long as the gap */
+        {2.0, 2000, PEL_TDCP_CONTINUOUS},
+    };
+    for (size_t c = 0; c < sizeof CASE / sizeof CASE[0]; c++) {
+        setUp();
+        for (int i = 0; i < sky.n; i++) { sky.lock_ms[i] = 0; }
+        (void)step(0.0);
+        for (int i = 0; i < sky.n; i++) { sky.lock_ms[i] = CASE[c].more_ms; }
+        (void)step(CASE[c].gap_s);
+        for (int i = 0; i < sky.n; i++) { TEST_ASSERT_EQUAL_INT(CASE[c].kind, change[i].kind); }
+    }
+    setUp(); /* a long lock that does not grow spans nothing, however long */
+    (void)step(0.0);
+    for (int i = 0; i < sky.n; i++) { sky.lock_ms[i] = 10000; }
+    (void)step(2.0);
+    TEST_ASSERT_EQUAL_INT(PEL_TDCP_NEW, change[0].kind);
+}
+
+/* What is differenced must be the same satellite, carrier and code. */
+static void another_signal_is_never_differenced(void)
+{
+    for (int what = 0; what < 4; what++) {
+        setUp();
+        (void)step(0.0);
+        observe(0.1);
+        switch (what) {
+        case 0: epoch.obs[2].sys = set.sd[2].sys = PEL_SYS_GAL; break;
+        case 1: epoch.obs[2].prn = set.sd[2].prn = 17; break;
+        case 2: epoch.obs[2].carrier = set.sd[2].carrier = PEL_CARRIER_L5; break;
+        default: epoch.obs[2].code = 'W'; break;
+        }
+        TEST_ASSERT_EQUAL(PEL_OK, pel_tdcp_step(&history, &epoch, &set, 1e-3, change));
+        for (int i = 0; i < sky.n; i++) {
+            TEST_ASSERT_EQUAL_INT((i == 2) ? PEL_TDCP_NEW : PEL_TDCP_CONTINUOUS, change[i].kind);
+        }
+    }
+}
+
+/* A row without a phase, or whose phase the epoch does not hold (any more), is none and is forgotten. */
+static void a_row_without_its_phase_is_none_and_begins_anew(void)
+{
+    for (int what = 0; what < 5; what++) {
+        setUp();
+        (void)step(0.0);
+        observe(0.1);
+        switch (what) {
+        case 0: set.sd[4].has_phase = false; break;
+        case 1: epoch.obs[4].flags = PEL_OBS_CODE; break;
+        case 2: epoch.obs[4].sys = PEL_SYS_QZS; break;
+        case 3: epoch.obs[4].carrier = PEL_CARRIER_L2; break;
+        default: epoch.n--; break;
+        }
+        TEST_ASSERT_EQUAL(PEL_OK, pel_tdcp_step(&history, &epoch, &set, 1e-3, change));
+        TEST_ASSERT_EQUAL_INT(PEL_TDCP_NONE, change[4].kind);
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, change[4].change_m);
+        TEST_ASSERT_EQUAL_INT(PEL_TDCP_CONTINUOUS, change[3].kind);
+        (void)step(0.2);
+        TEST_ASSERT_EQUAL_INT(PEL_TDCP_NEW, change[4].kind);
+        TEST_ASSERT_EQUAL_INT(PEL_TDCP_CONTINUOUS, change[3].kind);
+    }
+}
+
 static void an_epoch_out_of_order_changes_nothing(void)
 {
     (void)step(0.0);
@@ -248,6 +320,9 @@ int main(void)
     RUN_TEST(a_slip_this_history_has_digested_is_still_news_to_the_detectors);
     RUN_TEST(a_lost_lock_is_seen_by_both_in_either_order);
     RUN_TEST(gaps_warnings_and_half_cycles_start_anew);
+    RUN_TEST(a_lock_time_that_stands_still_is_believed_for_a_second);
+    RUN_TEST(another_signal_is_never_differenced);
+    RUN_TEST(a_row_without_its_phase_is_none_and_begins_anew);
     RUN_TEST(an_epoch_out_of_order_changes_nothing);
     RUN_TEST(a_corrected_antenna_corrects_what_is_remembered);
     return UNITY_END();
