@@ -5,6 +5,11 @@
 #define PREAMBLE   0x712u
 #define TGD_UNIT_S 1e-10
 
+bool pel_bds_is_geo(int prn)
+{
+    return prn <= 5 || prn >= 59;
+}
+
 void pel_bds_head_fields(pel_bitio_t *io, pel_nav_raw_t *raw)
 {
     pel_io_fill(io, 11, PREAMBLE);

@@ -34,32 +34,22 @@ bool pel_frame_next(uint8_t *buf, uint16_t *fill, pel_wire_counters_t *count, pe
     size_t at = 0;
     while (at < *fill) {
         const pel_probe_t verdict = probe(buf + at, (size_t)*fill - at, length);
-        switch (verdict) {
-        case PEL_PROBE_NOISE: at++; continue;
-        case PEL_PROBE_FRAME:
+        if (verdict == PEL_PROBE_NOISE) {
+            at++;
+            continue;
+        }
+        if (verdict == PEL_PROBE_FRAME || (verdict == PEL_PROBE_MORE && !final)) {
             count->noise_bytes += (uint32_t)at;
             pel_frame_drop(buf, fill, at);
-            return true;
-        case PEL_PROBE_BAD_LENGTH:
-            count->bad_length++;
-            reject(buf, fill, count, at);
-            if (!final) { return false; }
-            break;
-        case PEL_PROBE_BAD_CHECKSUM:
-            count->bad_checksum++;
-            reject(buf, fill, count, at);
-            if (!final) { return false; }
-            break;
-        case PEL_PROBE_MORE:
-            if (!final) {
-                count->noise_bytes += (uint32_t)at;
-                pel_frame_drop(buf, fill, at);
-                return false;
-            }
-            count->bad_length++;
-            reject(buf, fill, count, at);
-            break;
+            return verdict == PEL_PROBE_FRAME;
         }
+        if (verdict == PEL_PROBE_BAD_CHECKSUM) {
+            count->bad_checksum++;
+        } else {
+            count->bad_length++; /* impossible, or cut by the end */
+        }
+        reject(buf, fill, count, at);
+        if (!final) { return false; }
         at = 0;
     }
     count->noise_bytes += (uint32_t)at;
@@ -88,6 +78,11 @@ pel_order_t pel_time_order(pel_time_t t, pel_time_t tol_ns, pel_time_t given, pe
     if (*n_back < PEL_WIRE_RESTART) { return PEL_ORDER_BACK; }
     *n_back = 0;
     return PEL_ORDER_NEW;
+}
+
+bool pel_week_possible(int32_t week, double tow_s)
+{
+    return week >= PEL_WEEK_FIRST && week <= PEL_WEEK_LAST && tow_s >= 0.0 && tow_s < 604801.0;
 }
 
 pel_time_t pel_tow_ms_near(uint32_t tow_ms, pel_time_t ref)

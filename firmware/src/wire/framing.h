@@ -44,6 +44,9 @@ typedef enum { PEL_ORDER_NEW, PEL_ORDER_SAME, PEL_ORDER_BACK } pel_order_t;
 pel_order_t pel_time_order(pel_time_t t, pel_time_t tol_ns, pel_time_t given, pel_time_t *back, uint8_t *n_back,
                            pel_wire_counters_t *count);
 
+/* Whether a message may tell this week (PEL_WEEK_*) and this second of it, which may be a leap second; false for NaN. */
+bool pel_week_possible(int32_t week, double tow_s);
+
 /* The time with this millisecond of week (it may exceed a week) nearest to ref. */
 pel_time_t pel_tow_ms_near(uint32_t tow_ms, pel_time_t ref);
 

@@ -30,6 +30,8 @@ void pel_lnav_klobuchar_fields(pel_bitio_t *io, pel_klobuchar_t *k, pel_nav_raw_
 /* Galileo I/NAV word 1..5, 16 bytes. */
 #define PEL_INAV_BYTES 16
 void pel_inav_fields(pel_bitio_t *io, int word, pel_ephemeris_t *eph, pel_nav_raw_t *raw);
+/* Geostationary satellites send D2, the others D1. */
+bool pel_bds_is_geo(int prn);
 /* BeiDou D1 subframe 1..3: 26 + 9 * 22 data bits, 28 bytes. */
 #define PEL_D1_BYTES 28
 void pel_bds_d1_fields(pel_bitio_t *io, int subframe, pel_ephemeris_t *eph, pel_nav_raw_t *raw);

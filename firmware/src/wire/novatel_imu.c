@@ -86,9 +86,7 @@ bool pel_rawimusx_decode(const pel_imu_stream_t *s, const uint8_t *f, size_t n, 
         accel = model->accel_mps;
         dt_s = model->dt_s;
     }
-    if (!(gyro > 0.0) || week < PEL_WEEK_FIRST || week > PEL_WEEK_LAST || !(tow_s >= 0.0 && tow_s < 604801.0)) {
-        return true;
-    }
+    if (!(gyro > 0.0) || !pel_week_possible(week, tow_s)) { return true; }
 
     *imu = (pel_imu_t){0};
     imu->t_ns = pel_time_from_week(week, tow_s);

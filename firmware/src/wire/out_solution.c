@@ -171,7 +171,7 @@ pel_status_t pel_out_decode_sats(const uint8_t *payload, size_t n, pel_time_t *t
     pel_leio_read(&io, payload, n);
     pel_le_io_i64(&io, &t_ns);
     pel_le_io_u16(&io, &count);
-    if (io.failed || count > PEL_MAX_OBS || n != 10u + (size_t)PEL_OUT_SAT_BYTES * count) { return PEL_E_FORMAT; }
+    if (count > PEL_MAX_OBS || n != 10u + (size_t)PEL_OUT_SAT_BYTES * count) { return PEL_E_FORMAT; }
     for (int i = 0; i < (int)count; i++) { sat_fields(&io, &s[i]); }
     *t = t_ns;
     *n_sats = count;

@@ -102,7 +102,7 @@ static pel_rx_event_t skip_observations(pel_receiver_t *rx, const uint8_t *messa
     return (rx->collecting && !more) ? pel_rx_deliver(rx) : PEL_RX_NONE;
 }
 
-/* 1071..1137: the tens are the system, the last digit the kind. */
+/* 1071..1137: the tens are the system, the last digit the kind. Used are the kinds with whole phases of all but NavIC (113). */
 static bool is_msm(unsigned number)
 {
     return number >= 1071u && number <= 1137u && number % 10u >= 1u && number % 10u <= 7u;
@@ -110,8 +110,7 @@ static bool is_msm(unsigned number)
 
 static bool msm_used(unsigned number)
 {
-    const unsigned tens = number / 10u;
-    return number % 10u >= 4u && tens >= 107u && tens <= 112u;
+    return is_msm(number) && number % 10u >= 4u && number < 1130u;
 }
 
 pel_rx_event_t pel_rtcm3_handle(pel_receiver_t *rx, const uint8_t *frame, size_t n, bool *hold)
@@ -121,7 +120,7 @@ pel_rx_event_t pel_rtcm3_handle(pel_receiver_t *rx, const uint8_t *frame, size_t
     const unsigned number = (n_message >= 2u) ? (unsigned)pel_bits_u(message, 0, 12) : 0u;
     pel_rx_event_t event;
 
-    if (is_msm(number) && msm_used(number)) {
+    if (msm_used(number)) {
         event = pel_rtcm3_msm(rx, message, n_message, hold);
     } else if (number == 1004u) {
         event = pel_rtcm3_1004(rx, message, n_message, hold);

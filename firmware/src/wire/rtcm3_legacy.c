@@ -139,7 +139,7 @@ pel_rx_event_t pel_rtcm3_1004(pel_receiver_t *rx, const uint8_t *message, size_t
     const bool more = pel_read_u(&r, 1) != 0u;
     const unsigned n_sat = (unsigned)pel_read_u(&r, 5);
     pel_skip_bits(&r, 4);
-    if (r.overrun || HEADER_BITS + SAT_BITS * n_sat > r.n_bits) {
+    if (HEADER_BITS + SAT_BITS * n_sat > r.n_bits) {
         rx->counters.bad_length++;
         return PEL_RX_NONE;
     }
@@ -169,7 +169,7 @@ pel_rx_event_t pel_rtcm3_1012(pel_receiver_t *rx, const uint8_t *message, size_t
     const bool more = pel_read_u(&r, 1) != 0u;
     const unsigned n_sat = (unsigned)pel_read_u(&r, 5);
     pel_skip_bits(&r, 4);
-    if (r.overrun || GLO_HEADER_BITS + GLO_SAT_BITS * n_sat > r.n_bits) {
+    if (GLO_HEADER_BITS + GLO_SAT_BITS * n_sat > r.n_bits) {
         rx->counters.bad_length++;
         return PEL_RX_NONE;
     }
@@ -201,15 +201,14 @@ static const pel_obs_t *find(const pel_epoch_t *e, int prn, pel_carrier_t carrie
     return NULL;
 }
 
-/* Phase minus the (rounded) code of L1, in units; NO_PHASE if there is none or it does not fit. */
+/* Phase minus the (rounded) code of L1, in units, within half a block: at most 183 m of the 262 that fit. NO_PHASE if there is none. */
 static int64_t phase_field(const pel_obs_t *o, double range_m)
 {
     if (o == NULL || (o->flags & PEL_OBS_PHASE) == 0u) { return NO_PHASE; }
     const double lambda = wavelength(PEL_SYS_GPS, (pel_carrier_t)o->carrier, 0);
     const double cycles = o->L_cyc - range_m / lambda;
     const int64_t blocks = pel_round_i64(cycles / PHASE_BLOCK_CYC);
-    const int64_t raw = pel_round_i64((cycles - (double)blocks * PHASE_BLOCK_CYC) * lambda / PHASE_UNIT_M);
-    return (raw > NO_PHASE && raw < -NO_PHASE) ? raw : NO_PHASE;
+    return pel_round_i64((cycles - (double)blocks * PHASE_BLOCK_CYC) * lambda / PHASE_UNIT_M);
 }
 
 static uint32_t cn0_field(const pel_obs_t *o)

@@ -19,7 +19,7 @@ typedef struct {
 
 static int signal_id(const pel_obs_t *o, pel_sys_t sys)
 {
-    if (o->sys != sys || o->prn > 64 || !pel_obs_plausible(o)) { return 0; }
+    if (o->sys != sys || !pel_obs_plausible(o)) { return 0; }
     return pel_msm_id(sys, o->carrier, o->code);
 }
 

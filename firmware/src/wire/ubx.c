@@ -10,7 +10,7 @@
 static bool length_possible(uint8_t cls, uint8_t id, size_t n)
 {
     if (n + 8u > PEL_MAX_FRAME_BYTES) { return false; }
-    if (cls == CLASS_RXM && id == 0x15) { return n >= 16u && (n - 16u) % 32u == 0u; }
+    if (cls == CLASS_RXM && id == 0x15) { return n % 32u == 16u; }
     if (cls == CLASS_RXM && id == 0x13) { return n >= 8u && n <= 8u + 4u * 32u && n % 4u == 0u; }
     if (cls == CLASS_NAV && id == 0x07) { return n == 84u || n == 92u; }
     return true;

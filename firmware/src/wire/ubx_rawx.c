@@ -1,4 +1,4 @@
-#include "framing.h"
+#include "navmsg.h"
 
 #include <string.h>
 
@@ -46,11 +46,6 @@ static const ubx_signal_t *find_by_id(uint8_t gnss_id, uint8_t sig_id)
     return NULL;
 }
 
-static bool bds_is_geo(int prn)
-{
-    return prn <= 5 || prn >= 59;
-}
-
 static const ubx_signal_t *find_by_code(const pel_obs_t *o)
 {
     const ubx_signal_t *best = NULL;
@@ -63,7 +58,7 @@ static const ubx_signal_t *find_by_code(const pel_obs_t *o)
         if (best == NULL) { best = &SIGNAL[i]; }
     }
     /* B1I, B2I, B3I of geostationary satellites carry D2 and have their own row, the next of the same carrier */
-    if (best != NULL && o->sys == PEL_SYS_BDS && best->code == 'I' && bds_is_geo(o->prn)) { best++; }
+    if (best != NULL && o->sys == PEL_SYS_BDS && best->code == 'I' && pel_bds_is_geo(o->prn)) { best++; }
     return best;
 }
 
@@ -117,7 +112,7 @@ pel_rx_event_t pel_ubx_rawx(pel_receiver_t *rx, const uint8_t *payload, size_t n
         rx->counters.bad_length++;
         return PEL_RX_NONE;
     }
-    if (!(tow_s >= 0.0 && tow_s < 604801.0) || week < PEL_WEEK_FIRST || week > PEL_WEEK_LAST) {
+    if (!pel_week_possible(week, tow_s)) {
         rx->counters.bad_value++;
         return PEL_RX_NONE;
     }

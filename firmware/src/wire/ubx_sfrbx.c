@@ -14,11 +14,6 @@
 
 typedef enum { NAV_NONE, NAV_LNAV, NAV_INAV, NAV_D1, NAV_D2, NAV_GLO } nav_type_t;
 
-static bool bds_is_geo(int prn)
-{
-    return prn <= 5 || prn >= 59;
-}
-
 /* gnssId, sigId of the message -> system and message type. Before version 2 the signal is not told: there is only one. */
 static nav_type_t classify(uint8_t gnss_id, uint8_t sig_id, uint8_t sv, bool told, uint8_t *sys)
 {
@@ -27,7 +22,7 @@ static nav_type_t classify(uint8_t gnss_id, uint8_t sig_id, uint8_t sv, bool tol
     case 2: *sys = PEL_SYS_GAL; return (!told || sig_id == 1 || sig_id == 5) ? NAV_INAV : NAV_NONE;
     case 3:
         *sys = PEL_SYS_BDS;
-        if (!told) { return bds_is_geo(sv) ? NAV_D2 : NAV_D1; }
+        if (!told) { return pel_bds_is_geo(sv) ? NAV_D2 : NAV_D1; }
         if (sig_id == 0 || sig_id == 2 || sig_id == 4) { return NAV_D1; }
         return (sig_id == 1 || sig_id == 3 || sig_id == 10) ? NAV_D2 : NAV_NONE;
     case 5: *sys = PEL_SYS_QZS; return (!told || sig_id == 0) ? NAV_LNAV : NAV_NONE;
@@ -359,9 +354,6 @@ pel_rx_event_t pel_ubx_sfrbx(pel_receiver_t *rx, const uint8_t *m, size_t n)
     case NAV_LNAV: return lnav(rx, sys, m[1], m + 8, n_words);
     case NAV_INAV: return inav(rx, m[1], m + 8, n_words);
     case NAV_GLO: return glonass(rx, m[1], m[3], m + 8, n_words);
-    case NAV_D1:
-    case NAV_D2: return bds(rx, type, m[1], m + 8, n_words);
-    case NAV_NONE: break;
+    default: return bds(rx, type, m[1], m + 8, n_words);
     }
-    return PEL_RX_NONE;
 }

@@ -5,11 +5,6 @@
 /* Words as u-blox receivers give them. Parity bits of GPS and BeiDou words are left zero: receivers have checked them and
  * readers ignore them. The CRC of Galileo pages is real. */
 
-static bool bds_is_geo(int prn)
-{
-    return prn <= 5 || prn >= 59;
-}
-
 int pel_ubx_sfrbx_parts(const pel_ephemeris_t *eph)
 {
     switch (eph->sys) {
@@ -17,7 +12,7 @@ int pel_ubx_sfrbx_parts(const pel_ephemeris_t *eph)
     case PEL_SYS_QZS: return 3;
     case PEL_SYS_GAL: return 5;
     case PEL_SYS_GLO: return 4;
-    case PEL_SYS_BDS: return bds_is_geo(eph->prn) ? 10 : 3;
+    case PEL_SYS_BDS: return pel_bds_is_geo(eph->prn) ? 10 : 3;
     default: return 0;
     }
 }
@@ -83,7 +78,12 @@ static bool d2_part(pel_ephemeris_t *eph, pel_nav_raw_t *raw, int page, uint8_t 
 /* The time at which part began, given the time its frame began: subframes of a frame carry successive times. */
 static pel_time_t part_time(const pel_ephemeris_t *eph, int part, pel_time_t t)
 {
-    const int64_t step_s = (eph->sys == PEL_SYS_GAL) ? 0 : (eph->sys == PEL_SYS_BDS && bds_is_geo(eph->prn)) ? 3 : 6;
+    int64_t step_s = 6;
+    if (eph->sys == PEL_SYS_GAL) {
+        step_s = 0;
+    } else if (eph->sys == PEL_SYS_BDS && pel_bds_is_geo(eph->prn)) {
+        step_s = 3;
+    }
     return t + step_s * (part - 1) * PEL_NS_PER_S;
 }
 
@@ -124,7 +124,7 @@ size_t pel_ubx_encode_sfrbx_eph(const pel_ephemeris_t *eph, int part, pel_time_t
         inav_words(buf, words);
         return seal(2, eph->prn, 1, 0, 8, out, cap);
     case PEL_SYS_BDS:
-        if (bds_is_geo(eph->prn)) {
+        if (pel_bds_is_geo(eph->prn)) {
             if (!d2_part(&e, &raw, part, buf)) { return 0; }
         } else {
             pel_bitio_write(&io, buf, PEL_D1_BYTES);
@@ -132,7 +132,7 @@ size_t pel_ubx_encode_sfrbx_eph(const pel_ephemeris_t *eph, int part, pel_time_t
             if (pel_bitio_failed(&io)) { return 0; }
         }
         bds_words(buf, words);
-        return seal(3, eph->prn, bds_is_geo(eph->prn) ? 1 : 0, 0, 10, out, cap);
+        return seal(3, eph->prn, pel_bds_is_geo(eph->prn) ? 1 : 0, 0, 10, out, cap);
     default:
         pel_bitio_write(&io, buf, PEL_LNAV_BYTES);
         pel_lnav_fields(&io, part, &e, &raw);
