@@ -286,6 +286,54 @@ static void a_given_attitude_is_taken_with_its_uncertainty(void)
     for (int i = 0; i < 9; i++) { TEST_ASSERT_DOUBLE_WITHIN(1e-18, (i % 4 == 0) ? want[i / 4] : 0.0, P[i / 3][i % 3]); }
 }
 
+static void a_body_at_the_pole_or_of_a_wrong_weight_gets_no_heading(void)
+{
+    pel_align_t a;
+    pel_alignment_t out = {.sd_level_rad = 7.0};
+    const double f[3] = {0.0, 0.0, 9.81};
+    const double w[3] = {0.0, 1e-6, 7.29e-5};
+    pel_align_config_t still = TACTICAL;
+    still.arw_rad_rts = still.vrw_mps_rts = 0.0;
+    pel_align_init(&a, &still);
+    push_static(&a, f, w, 60.0, 0.02, &still);
+    const double near_pole = 89.5 * PEL_DEG;
+    TEST_ASSERT_EQUAL(PEL_W_REJECTED, pel_align_gyrocompass(&a, near_pole, LON, H, PEL_PI, &out));
+    TEST_ASSERT_EQUAL_DOUBLE(PEL_PI, out.sd_heading_rad);
+    TEST_ASSERT_TRUE(out.sd_level_rad < 1e-3);
+
+    const double light[3] = {0.0, 0.0, 5.0}; /* neither heading nor level */
+    out = (pel_alignment_t){.sd_level_rad = 7.0};
+    pel_align_init(&a, &still);
+    push_static(&a, light, w, 60.0, 0.02, &still);
+    TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_align_gyrocompass(&a, near_pole, LON, H, PEL_PI, &out));
+    TEST_ASSERT_EQUAL_DOUBLE(7.0, out.sd_level_rad);
+}
+
+static void an_earth_rate_along_the_plumb_line_shows_no_north(void)
+{
+    pel_align_t a;
+    pel_alignment_t out = {.sd_level_rad = 7.0};
+    const double f[3] = {0.0, 0.0, 9.79};
+    const double w[3] = {0.0, 0.0, PEL_OMEGA_IE};
+    pel_align_config_t still = TACTICAL;
+    still.arw_rad_rts = still.vrw_mps_rts = 0.0;
+    pel_align_init(&a, &still);
+    push_static(&a, f, w, 60.0, 0.02, &still);
+    TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_align_gyrocompass(&a, LAT, LON, H, 0.1, &out));
+    TEST_ASSERT_EQUAL_DOUBLE(7.0, out.sd_level_rad);
+}
+
+/* Specific force that no attitude turns into gravity and this acceleration. */
+static void levelling_refuses_what_does_not_fit(void)
+{
+    pel_alignment_t out;
+    const double heavy[3] = {0.0, 0.0, 13.0}, nose_up[3] = {0.0, 10.7, 2.0}, aside[3] = {5.0, 0.0, 0.0};
+    const double good[3] = {0.0, 0.0, 9.79};
+    TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_align_level(heavy, NULL, 0.0, 0.1, 0.1, LAT, LON, H, &out));
+    TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_align_level(nose_up, aside, 0.0, 0.1, 0.1, LAT, LON, H, &out));
+    TEST_ASSERT_EQUAL(PEL_OK, pel_align_level(good, NULL, 0.0, 0.1, 0.1, LAT, LON, H, &out));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -296,5 +344,8 @@ int main(void)
     RUN_TEST(nonsense_is_refused);
     RUN_TEST(levelling_while_accelerating);
     RUN_TEST(a_given_attitude_is_taken_with_its_uncertainty);
+    RUN_TEST(a_body_at_the_pole_or_of_a_wrong_weight_gets_no_heading);
+    RUN_TEST(an_earth_rate_along_the_plumb_line_shows_no_north);
+    RUN_TEST(levelling_refuses_what_does_not_fit);
     return UNITY_END();
 }

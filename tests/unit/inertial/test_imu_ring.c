@@ -109,6 +109,20 @@ static void the_check_of_an_increment_sees_its_last_member(void)
     TEST_ASSERT_FALSE(pel_imu_ring_is_whole(&ring, 0));
 }
 
+static void what_is_not_there_is_not_whole_and_what_is_too_long_does_not_enter(void)
+{
+    pel_imu_ring_init(&ring);
+    TEST_ASSERT_FALSE(pel_imu_ring_is_whole(&ring, 0));
+    static const double LENGTHS[] = {0.0, -0.01, 10.0000001, NAN, 10.0};
+    for (int i = 0; i < 5; i++) {
+        const pel_imu_t imu = {.t_ns = 1, .dt_s = LENGTHS[i]};
+        TEST_ASSERT_EQUAL(i < 4 ? PEL_E_RANGE : PEL_OK, pel_imu_ring_push(&ring, &imu));
+    }
+    TEST_ASSERT_EQUAL_INT(1, ring.n);
+    TEST_ASSERT_FALSE(pel_imu_ring_is_whole(&ring, 1));
+    TEST_ASSERT_FALSE(pel_imu_ring_is_whole(&ring, -1));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -118,5 +132,6 @@ int main(void)
     RUN_TEST(search_finds_the_increment_that_contains_a_time);
     RUN_TEST(pieces_add_up_to_the_whole);
     RUN_TEST(the_check_of_an_increment_sees_its_last_member);
+    RUN_TEST(what_is_not_there_is_not_whole_and_what_is_too_long_does_not_enter);
     return UNITY_END();
 }

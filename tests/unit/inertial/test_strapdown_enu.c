@@ -1,5 +1,6 @@
 /* The local mechanization against the one in ECEF, on the same increments: two derivations, one path. */
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -187,6 +188,42 @@ static void a_state_survives_the_change_of_frame(void)
     }
 }
 
+static void numbers_of_the_state_that_are_not_finite_are_refused(void)
+{
+    static const size_t MEMBERS[] = {
+        offsetof(pel_strapdown_enu_t, lat),         offsetof(pel_strapdown_enu_t, lon),
+        offsetof(pel_strapdown_enu_t, h),           offsetof(pel_strapdown_enu_t, v_eb_enu),
+        offsetof(pel_strapdown_enu_t, v_eb_enu[1]), offsetof(pel_strapdown_enu_t, v_eb_enu[2])};
+    static const double BAD[] = {NAN, INFINITY, -INFINITY};
+    const double alpha[3] = {0.0, 0.0, 0.0}, upsilon[3] = {0.0, 0.0, 0.098};
+    for (int i = 0; i < 18; i++) {
+        pel_strapdown_enu_t s;
+        pel_coning_t c;
+        start_at(10.0, 10.0, 1.0, 1.0, &s);
+        pel_coning_init(&c);
+        memcpy((uint8_t *)&s + MEMBERS[i / 3], &BAD[i % 3], sizeof BAD[0]);
+        const pel_strapdown_enu_t before = s;
+        const pel_coning_t coning = c;
+        TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_strapdown_enu_step(&s, &c, alpha, upsilon, 0.01, 1));
+        TEST_ASSERT_EQUAL_MEMORY(&before, &s, sizeof s);
+        TEST_ASSERT_EQUAL_MEMORY(&coning, &c, sizeof c);
+    }
+}
+
+static void a_height_beyond_the_largest_number_is_refused(void)
+{
+    const double alpha[3] = {0.0, 0.0, 0.0}, upsilon[3] = {0.0, 0.0, 0.098};
+    pel_strapdown_enu_t s;
+    pel_coning_t c;
+    start_at(10.0, 10.0, 0.0, 0.0, &s);
+    pel_coning_init(&c);
+    s.h = 1.79e308;
+    s.v_eb_enu[2] = 1e306;
+    const pel_strapdown_enu_t before = s;
+    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_strapdown_enu_step(&s, &c, alpha, upsilon, 1.0, 1));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &s, sizeof s);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -196,5 +233,7 @@ int main(void)
     RUN_TEST(near_a_pole_the_step_is_refused_and_the_state_goes_on_in_ECEF);
     RUN_TEST(a_number_that_is_not_finite_is_refused);
     RUN_TEST(a_state_survives_the_change_of_frame);
+    RUN_TEST(numbers_of_the_state_that_are_not_finite_are_refused);
+    RUN_TEST(a_height_beyond_the_largest_number_is_refused);
     return UNITY_END();
 }

@@ -318,9 +318,10 @@ static void the_system_matrix_matches_central_differences(void)
 /* Over a substep the error of Phi must fall with the third power of its length (in double; float stops at rounding). */
 static void the_transition_is_of_second_order(void)
 {
+    static const ld SPANS_S[3] = {0.2L, 0.1L, 0.05L};
     double error[3];
     for (int k = 0; k < 3; k++) {
-        const ld T = 0.2L / (ld)(1 << k);
+        const ld T = SPANS_S[k];
         static ld want[18][18];
         double got[18][18];
         pel_transition_t t;
@@ -407,6 +408,62 @@ static void noise_and_decay_are_those_of_the_sensors(void)
     }
 }
 
+static void blocks_that_cannot_be_are_not_appended(void)
+{
+    pel_model_t m;
+    pel_imu_model_t imu;
+    pel_imu_model_preset(PEL_IMU_GRADE_MEMS, &imu);
+    pel_model_gnss(&m, &imu);
+    const pel_model_t before = m;
+    static const struct {
+        int block, size;
+    } bad[] = {{PEL_BLOCK_HEIGHT, 0}, {PEL_BLOCK_HEIGHT, -1}, {-1, 1}, {PEL_N_BLOCK, 1}};
+    for (int i = 0; i < 4; i++) {
+        TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_model_append(&m, (pel_block_t)bad[i].block, bad[i].size));
+    }
+    TEST_ASSERT_EQUAL_MEMORY(&before, &m, sizeof m);
+    TEST_ASSERT_EQUAL(PEL_OK, pel_model_append(&m, PEL_BLOCK_HEIGHT, PEL_MAX_STATES - 6)); /* the last that fits */
+    TEST_ASSERT_EQUAL(PEL_MAX_STATES, m.n);
+}
+
+static void offsets_are_at_least_one_and_at_most_what_there_is_room_for(void)
+{
+    static const int ASKED[] = {-3, 0, 1, 2, (PEL_MAX_STATES - 16) / 2, (PEL_MAX_STATES - 16) / 2 + 1, 1000};
+    const int most = (PEL_MAX_STATES - 16) / 2;
+    pel_model_t m;
+    pel_imu_model_t imu;
+    pel_imu_model_preset(PEL_IMU_GRADE_TACTICAL, &imu);
+    for (int i = 0; i < 7; i++) {
+        pel_model_tdcp(&m, &imu, ASKED[i]);
+        const int n = (ASKED[i] < 1) ? 1 : (ASKED[i] > most) ? most : ASKED[i];
+        TEST_ASSERT_EQUAL(16 + 2 * n, m.n);
+        TEST_ASSERT_EQUAL(15, pel_model_index(&m, PEL_BLOCK_OFFSET));
+        TEST_ASSERT_EQUAL(15 + n, pel_model_index(&m, PEL_BLOCK_OFFSET_RATE));
+        TEST_ASSERT_EQUAL(15 + 2 * n, pel_model_index(&m, PEL_BLOCK_HEIGHT));
+    }
+}
+
+static void sensor_states_are_set_where_a_model_has_them(void)
+{
+    pel_model_t m;
+    pel_imu_model_t imu;
+    pel_real sd[PEL_MAX_STATES];
+    pel_imu_model_preset(PEL_IMU_GRADE_MEMS, &imu);
+    imu.sd_ba_mps2 = 0.3;
+    for (int i = 0; i < PEL_MAX_STATES; i++) { sd[i] = PEL_R(7.0); }
+    pel_model_gnss(&m, &imu);
+    pel_model_sensor_sd(&m, sd);
+    for (int i = 0; i < PEL_MAX_STATES; i++) { TEST_ASSERT_TRUE(sd[i] == PEL_R(7.0)); } /* it has none */
+    pel_model_tdcp_cloned(&m, &imu);
+    pel_model_sensor_sd(&m, sd);
+    for (int i = 0; i < 3; i++) {
+        TEST_ASSERT_TRUE(sd[i] == (pel_real)imu.sd_bg_radps && sd[3 + i] == (pel_real)imu.sd_ba_mps2);
+    }
+    TEST_ASSERT_TRUE(sd[6] == PEL_R(7.0));
+    TEST_ASSERT_EQUAL(19, m.n);
+    TEST_ASSERT_EQUAL(6, pel_model_index(&m, PEL_BLOCK_CLONE));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -414,5 +471,8 @@ int main(void)
     RUN_TEST(the_transition_is_of_second_order);
     RUN_TEST(blocks_are_where_s5_wants_them);
     RUN_TEST(noise_and_decay_are_those_of_the_sensors);
+    RUN_TEST(blocks_that_cannot_be_are_not_appended);
+    RUN_TEST(offsets_are_at_least_one_and_at_most_what_there_is_room_for);
+    RUN_TEST(sensor_states_are_set_where_a_model_has_them);
     return UNITY_END();
 }
