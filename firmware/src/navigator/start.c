@@ -191,7 +191,7 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
         return true;
     }
     if (pel_nav_warm_attitude(nav, out)) { return true; }
-    if (nav->align.t_static_s >= STATIC_MIN_S && nav->align.still && stands_still(nav) &&
+    if (nav->align.t_static_s >= STATIC_MIN_S && stands_still(nav) &&
         pel_align_gyrocompass(&nav->align, lat, lon, h, COMPASS_SD_MAX_RAD, out) == PEL_OK) {
         return true;
     }

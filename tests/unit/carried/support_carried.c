@@ -11,10 +11,33 @@
 /* Along the line at time t: place, speed, acceleration. */
 static void motion(const carried_t *c, double t, double *d, double *v, double *a)
 {
-    const double w = c->sway_radps;
-    *d = c->speed_mps * t + c->sway_m * (1.0 - cos(w * t));
-    *v = c->speed_mps + c->sway_m * w * sin(w * t);
-    *a = c->sway_m * w * w * cos(w * t);
+    const double w = c->sway_radps, moving_s = t - c->begin_s;
+    *d = *v = *a = 0.0;
+    if (moving_s < 0.0) { return; }
+    *d = c->speed_mps * moving_s + c->sway_m * (1.0 - cos(w * moving_s));
+    *v = c->speed_mps + c->sway_m * w * sin(w * moving_s);
+    *a = c->sway_m * w * w * cos(w * moving_s);
+}
+
+static void local_axes(const carried_t *c, double C_e_enu[3][3])
+{
+    double lat, lon, h;
+    pel_earth_ecef_to_llh(c->start_e, &lat, &lon, &h);
+    pel_earth_C_e_enu(lat, lon, C_e_enu);
+}
+
+void carried_course(carried_t *c, double course_rad)
+{
+    double C_e_enu[3][3];
+    const double enu[3] = {sin(course_rad), cos(course_rad), 0.0};
+    local_axes(c, C_e_enu);
+    pel_mat3_tvec(C_e_enu, enu, c->along_e);
+}
+
+void carried_introduce(carried_t *c, pel_navigator_t *nav, const pel_nav_config_t *cfg)
+{
+    c->pair.epoch = c->sample = 0;
+    pair_introduce(&c->pair, nav, cfg);
 }
 
 void carried_init(carried_t *c, pel_navigator_t *nav, double heading_rad, bool told)
@@ -22,21 +45,31 @@ void carried_init(carried_t *c, pel_navigator_t *nav, double heading_rad, bool t
     memset(c, 0, sizeof *c);
     pair_init(&c->pair, nav, 1u << PEL_SYS_GPS, (1u << PEL_CARRIER_L1) | (1u << PEL_CARRIER_L2));
     c->seed = 7;
+    c->noise = 1.0;
     memcpy(c->start_e, c->pair.rover.r_e, sizeof c->start_e);
-    double lat, lon, h, C_e_enu[3][3];
-    pel_earth_ecef_to_llh(c->start_e, &lat, &lon, &h);
-    pel_earth_C_e_enu(lat, lon, C_e_enu);
+    double C_e_enu[3][3];
+    local_axes(c, C_e_enu);
     const double s = sin(heading_rad), k = cos(heading_rad);
     const double C_b_enu[3][3] = {{k, s, 0.0}, {-s, k, 0.0}, {0.0, 0.0, 1.0}};
     pel_mat3_tmul(C_e_enu, C_b_enu, c->C_b_e);
-    for (int i = 0; i < 3; i++) { c->along_e[i] = c->C_b_e[i][1]; }
+    carried_course(c, heading_rad);
 
     pel_nav_config_t cfg = nav->cfg;
     cfg.have_attitude = told;
     cfg.heading_rad = heading_rad;
     cfg.sd_tilt_rad = 0.2 * PEL_DEG;
     cfg.sd_heading_rad = 0.5 * PEL_DEG;
-    pair_introduce(&c->pair, nav, &cfg);
+    carried_introduce(c, nav, &cfg);
+}
+
+double carried_heading_error(const carried_t *c, const pel_navigator_t *nav)
+{
+    double C_e_enu[3][3], C[3][3], truth[3][3], turn[3][3];
+    local_axes(c, C_e_enu);
+    pel_mat3_mul(C_e_enu, nav->at_horizon.C_b_e, C);
+    pel_mat3_mul(C_e_enu, c->C_b_e, truth);
+    pel_mat3_mult(C, truth, turn);
+    return -atan2(turn[1][0], turn[0][0]);
 }
 
 static double uniform(carried_t *c)
@@ -62,8 +95,8 @@ pel_imu_t carried_imu(carried_t *c)
     pel_mat3_tvec(c->C_b_e, turn_e, imu.alpha_ib_b);
     pel_mat3_tvec(c->C_b_e, f_e, imu.upsilon_ib_b);
     for (int k = 0; k < 3; k++) {
-        imu.alpha_ib_b[k] += c->gyro_error[k] * dt + 2e-5 * uniform(c);
-        imu.upsilon_ib_b[k] += 1e-4 * uniform(c);
+        imu.alpha_ib_b[k] += c->gyro_error[k] * dt + c->noise * 1e-5 * uniform(c);
+        imu.upsilon_ib_b[k] += c->noise * 1e-4 * uniform(c);
     }
     c->sample++;
     return imu;
