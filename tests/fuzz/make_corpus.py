@@ -176,6 +176,9 @@ def written():
     rows = "".join(f"{1300000000 + 0.01 * i:.3f},0.1,-0.2,9.8,0.001,0.002,-0.003\n" for i in range(12))
     put("imu_csv", "gps-time", b"\x00m/s2,rad" + ("gpst_s,ax,ay,az,gx,gy,gz\n" + rows).encode())
     put("imu_csv", "own-clock", b"\x02g,deg/s " + "".join(f"0.01,0.02,1.0,0.1,0.2,0.3,{1000 + 10 * i}\n" for i in range(12)).encode())
+    put("obs_csv", "week", b"week,tow_s,sys,prn,pseudorange_m,range_rate_mps,cn0_dbhz\n" + b"".join(
+        b"2130,36450%d.600088,G,%d,219713%02d.8,-334.5,40\n" % (t, g, g) for t in range(3) for g in (5, 12, 20)))
+    put("obs_csv", "names", b"gpst_s;sat;doppler_hz;pseudorange_m\n1300000000.2;C06;-100.5;4.0e7\n1300000000.2;E36;7;2.4e7\n")
     put("problem", "three", b"3\n1.2 -0.4 5.9\n0.1\n0.02 0.1\n0.01 0.03 0.2\n# truth\n1 0 6\n2\n0.1 0.2\n1 0.5\n0.5 1\n")
     put("problem", "full", b"# four\n4\n5.45\n3.1\n2.97\n1.5\n6.29 5.978 0.544 1\n5.978 6.292 2.34 1\n0.544 2.34 6.288 1\n1 1 1 5\n")
     put("config", "navigator", CONFIG)

@@ -222,6 +222,8 @@ def test_walk_imu_times_follow_from_the_loggers_tags(tmp_path):
     (["--rover", "/:ubx"], 3, "/"),
     (["--rover", "x:ubx", "--date", "20-1-2020"], 2, "YYYY-MM-DD"),
     (["--rover", "x:ubx", "--base-ecef", "1,2,3"], 2, "--base-ecef"),
+    (["--rover", "x:obs-csv", "--nav", "n", "--obs-removed", "clock"], 2, "receiver-clock, satellite-clock, group-delay"),
+    (["--rover", "x:obs-csv", "--obs-removed", "group-delay"], 2, "--nav"),
 ])
 def test_wrong_usage_is_one_clear_line(args, code, words, tmp_path):
     p = subprocess.run(["pelorus-capture", "-o", tmp_path / "x", *args], capture_output=True, text=True)

@@ -4,61 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define G0         9.80665 /* m/s^2, standard gravity: the unit "g" */
-#define DEG        0.017453292519943295
-#define MAX_FIELDS 32
+#include "fields.h"
 
-/* A line's fields: pointers into it. */
-typedef struct {
-    line_t f[MAX_FIELDS];
-    int n;
-} fields_t;
-
-static bool is_blank(char c)
-{
-    return c == ' ' || c == '\t';
-}
-
-static void split(line_t l, fields_t *out)
-{
-    size_t i = 0;
-    out->n = 0;
-    while (i < l.n && is_blank(l.s[i])) { i++; }
-    while (i <= l.n && out->n < MAX_FIELDS) {
-        size_t from = i;
-        while (i < l.n && l.s[i] != ',' && l.s[i] != ';' && !is_blank(l.s[i])) { i++; }
-        out->f[out->n++] = (line_t){l.s + from, i - from};
-        while (i < l.n && is_blank(l.s[i])) { i++; }
-        if (i < l.n && (l.s[i] == ',' || l.s[i] == ';')) {
-            for (i++; i < l.n && is_blank(l.s[i]);) { i++; }
-            if (i == l.n) { break; } /* a comma at the end opens no field */
-        } else if (i == l.n) {
-            break;
-        }
-    }
-}
-
-static bool number(line_t f, double *v)
-{
-    return line_real(f, 0, f.n, v) == FIELD_OK;
-}
-
-/* A decimal number of seconds times 10^scale, in ns, to the last digit where it is written without exponent. */
-static bool decimal_ns(line_t f, bool milliseconds, int64_t *ns)
-{
-    const bool negative = f.n > 0 && f.s[0] == '-';
-    const line_t digits = negative ? (line_t){f.s + 1, f.n - 1} : f;
-    double v = 0.0;
-    if (!milliseconds && line_seconds_ns(digits, 0, digits.n, ns) == FIELD_OK) {
-        if (negative) { *ns = -*ns; }
-        return true;
-    }
-    if (!number(f, &v) || fabs(v) > 4e12) { return false; }
-    if (!milliseconds && fabs(v) > 4e9) { return false; }
-    const double whole = floor(v), unit = milliseconds ? 1e6 : 1e9;
-    *ns = (int64_t)whole * (int64_t)unit + (int64_t)lround((v - whole) * unit);
-    return true;
-}
+#define G0  9.80665 /* m/s^2, standard gravity: the unit "g" */
+#define DEG 0.017453292519943295
 
 /* ---- layout -------------------------------------------------------------------------------------------------------- */
 
@@ -80,17 +29,6 @@ bool imu_csv_units(const char *text, double *accel, double *gyro)
     return *accel > 0.0 && *gyro > 0.0;
 }
 
-static bool named(line_t f, const char *name)
-{
-    return f.n == strlen(name) && memcmp(f.s, name, f.n) == 0;
-}
-
-static bool ends(line_t f, const char *suffix)
-{
-    const size_t n = strlen(suffix);
-    return f.n > n && memcmp(f.s + f.n - n, suffix, n) == 0;
-}
-
 /* One column's name; false if it is none of ours. */
 static void name_column(imu_layout_t *l, int column, line_t f, const imu_csv_options_t *o)
 {
@@ -98,28 +36,28 @@ static void name_column(imu_layout_t *l, int column, line_t f, const imu_csv_opt
     const double accel = (o->accel_unit > 0.0) ? o->accel_unit : 1.0, gyro = (o->gyro_unit > 0.0) ? o->gyro_unit : 1.0;
     int k = -1;
     double unit = 1.0;
-    if (named(f, "gpst_s") || named(f, "gpst")) {
+    if (field_named(f, "gpst_s") || field_named(f, "gpst")) {
         k = 0;
         l->time = IMU_TIME_GPST;
-    } else if (named(f, "tow_s") || named(f, "tow")) {
+    } else if (field_named(f, "tow_s") || field_named(f, "tow")) {
         k = 0;
         l->time = IMU_TIME_TOW;
-    } else if (named(f, "t_s") || named(f, "t") || named(f, "ms")) {
+    } else if (field_named(f, "t_s") || field_named(f, "t") || field_named(f, "ms")) {
         k = 0;
         l->time = IMU_TIME_OWN;
-        unit = named(f, "ms") ? 1e6 : 1.0;
+        unit = field_named(f, "ms") ? 1e6 : 1.0;
     } else if (axis >= 0 && axis < 3 && (f.s[0] == 'a' || f.s[0] == 'g')) {
         const bool is_accel = (f.s[0] == 'a');
         k = (is_accel ? 1 : 4) + axis;
         if (f.n == 2) {
             unit = is_accel ? accel : gyro;
-        } else if (is_accel && ends(f, "_g")) {
+        } else if (is_accel && field_ends(f, "_g")) {
             unit = G0;
-        } else if (is_accel && ends(f, "_mps2")) {
+        } else if (is_accel && field_ends(f, "_mps2")) {
             unit = 1.0;
-        } else if (!is_accel && ends(f, "_radps")) {
+        } else if (!is_accel && field_ends(f, "_radps")) {
             unit = 1.0;
-        } else if (!is_accel && ends(f, "_dps")) {
+        } else if (!is_accel && field_ends(f, "_dps")) {
             unit = DEG;
         } else {
             k = -1;
@@ -134,7 +72,7 @@ static void name_column(imu_layout_t *l, int column, line_t f, const imu_csv_opt
 static bool name_columns(imu_layout_t *l, line_t names, const imu_csv_options_t *o, const char **why)
 {
     fields_t f;
-    split(names, &f);
+    fields_split(names, &f);
     for (int i = 0; i < 7; i++) { l->column[i] = -1; }
     for (int i = 0; i < f.n; i++) { name_column(l, i, f.f[i], o); }
     l->n_columns = f.n;
@@ -160,8 +98,8 @@ static bool looks_like_logger(const input_t *in)
         fields_t f;
         double v = 0.0;
         if (lines.at == lines.end && good >= 2) { break; } /* the last may be, too */
-        split(l, &f);
-        if (f.n != 7 || !number(f.f[6], &v) || floor(v) != v || v < before) { return false; }
+        fields_split(l, &f);
+        if (f.n != 7 || !field_number(f.f[6], &v) || floor(v) != v || v < before) { return false; }
         before = v;
         good++;
     }
@@ -173,16 +111,14 @@ bool imu_csv_layout(const input_t *in, const imu_csv_options_t *o, imu_layout_t 
     lines_t lines = lines_of(in);
     line_t first;
     fields_t f;
-    double v = 0.0;
     memset(layout, 0, sizeof *layout);
     if (!lines_next(&lines, &first)) {
         *why = "empty file";
         return false;
     }
     if (o->columns != NULL) { return name_columns(layout, (line_t){o->columns, strlen(o->columns)}, o, why); }
-    split(first, &f);
-    const bool header = f.n > 1 && !number(f.f[0], &v) && !number(f.f[1], &v);
-    if (header) { return name_columns(layout, first, o, why); }
+    fields_split(first, &f);
+    if (fields_are_names(&f)) { return name_columns(layout, first, o, why); }
     if (looks_like_logger(in)) {
         imu_csv_options_t units = *o;
         if (units.accel_unit <= 0.0) { units.accel_unit = G0; }
@@ -206,11 +142,11 @@ static bool parse_rates(line_t l, const imu_layout_t *layout, rates_t *r)
 {
     fields_t f;
     double v[7];
-    split(l, &f);
+    fields_split(l, &f);
     if (f.n < layout->n_columns) { return false; }
-    if (!decimal_ns(f.f[layout->column[0]], layout->unit[0] != 1.0, &r->t_ns)) { return false; }
+    if (!field_time_ns(f.f[layout->column[0]], layout->unit[0] != 1.0, &r->t_ns)) { return false; }
     for (int i = 1; i < 7; i++) {
-        if (!number(f.f[layout->column[i]], &v[i])) { return false; }
+        if (!field_number(f.f[layout->column[i]], &v[i])) { return false; }
         v[i] *= layout->unit[i];
     }
     for (int i = 0; i < 3; i++) {

@@ -10,8 +10,7 @@
 #include "common/cli.h"
 #include "source.h"
 
-#define MAX_NAV   32
-#define BEFORE_NS (PEL_NS_PER_S) /* orbits and station are sent this long before the first epoch */
+#define MAX_NAV 32
 
 enum { IMU, ROVER, BASE, N_LINES };
 static const char *const CHANNEL[N_LINES] = {CAPTURE_UART_IMU, CAPTURE_UART_ROVER, CAPTURE_UART_BASE};
@@ -30,14 +29,15 @@ enum {
     OPT_IMU_UNITS,
     OPT_IMU_WEEK,
     OPT_IMU_TIME_OFFSET,
+    OPT_OBS_REMOVED,
     N_OPTIONS
 };
 
 static const cli_option_t OPTIONS[N_OPTIONS] = {
     [OPT_OUTPUT] = {"output", 'o', "CAPTURE", "where to write, an LCM event log ('-': standard output)"},
     [OPT_IMU] = {"imu", 0, "FILE:FORMAT", "IMU: imu-csv, pelorus, novatel (RAWIMUSX)"},
-    [OPT_ROVER] = {"rover", 0, "FILE:FORMAT", "receiver that moves: ubx, rtcm3, rinex"},
-    [OPT_BASE] = {"base", 0, "FILE:FORMAT", "receiver that does not: ubx, rtcm3, rinex"},
+    [OPT_ROVER] = {"rover", 0, "FILE:FORMAT", "receiver that moves: ubx, rtcm3, rinex, obs-csv"},
+    [OPT_BASE] = {"base", 0, "FILE:FORMAT", "receiver that does not: ubx, rtcm3, rinex, obs-csv"},
     [OPT_NAV] = {"nav", 0, "FILE", "RINEX 2 or 3 navigation file, sent to the rover; may be repeated"},
     [OPT_BASE_ECEF] = {"base-ecef", 0, "X,Y,Z", "position of the base, m (default: of its RINEX header)"},
     [OPT_DATE] = {"date", 0, "YYYY-MM-DD",
@@ -50,6 +50,8 @@ static const cli_option_t OPTIONS[N_OPTIONS] = {
     [OPT_IMU_WEEK] = {"imu-week", 0, "WEEK", "GPS week of an imu-csv in seconds of week"},
     [OPT_IMU_TIME_OFFSET] = {"imu-time-offset", 0, "S",
                              "added to every time of an imu-csv (GPS seconds at zero of its own clock)"},
+    [OPT_OBS_REMOVED] = {"obs-removed", 0, "LIST",
+                         "put back into an obs-csv: receiver-clock, satellite-clock, group-delay (needs --nav)"},
 };
 
 static const char NOTES[] =
@@ -58,7 +60,8 @@ static const char NOTES[] =
     "carrier:\n"
     "the most complete in the file, at equal completeness GPS L1 C W, L2 W L X, L5 Q X; Galileo C X (E1), Q X (E5);\n"
     "BeiDou I X, B1C/B2a P X; QZSS L1 C X, L2 L X, L5 Q X. Times, codes and what was refused are printed with -v.\n"
-    "imu-csv columns: ax ay az (_mps2, _g) gx gy gz (_radps, _dps) and one of gpst_s tow_s t_s ms; docs/CAPTURE.md.";
+    "imu-csv columns: ax ay az (_mps2, _g) gx gy gz (_radps, _dps) and one of gpst_s tow_s t_s ms; docs/CAPTURE.md.\n"
+    "obs-csv columns: gpst_s or week tow_s, sat or sys prn, pseudorange_m, range_rate_mps or doppler_hz, cn0_dbhz.";
 
 static const cli_program_t PROGRAM = {"pelorus-capture",
                                       "-o CAPTURE [--imu FILE:FORMAT] [--rover FILE:FORMAT] [--base FILE:FORMAT]",
@@ -75,7 +78,7 @@ typedef struct {
     double base_ecef[3];
     bool has_base_ecef;
     pel_time_t date;
-    imu_csv_options_t csv;
+    source_options_t options;
 } capture_t;
 
 /* ---- command line -------------------------------------------------------------------------------------------------- */
@@ -84,8 +87,8 @@ static void take_source(capture_t *c, int line)
 {
     static const bool FITS[N_LINES][N_FORMATS] = {
         [IMU] = {[FORMAT_IMU_CSV] = true, [FORMAT_PELORUS] = true, [FORMAT_NOVATEL] = true},
-        [ROVER] = {[FORMAT_UBX] = true, [FORMAT_RTCM3] = true, [FORMAT_RINEX] = true},
-        [BASE] = {[FORMAT_UBX] = true, [FORMAT_RTCM3] = true, [FORMAT_RINEX] = true},
+        [ROVER] = {[FORMAT_UBX] = true, [FORMAT_RTCM3] = true, [FORMAT_RINEX] = true, [FORMAT_OBS_CSV] = true},
+        [BASE] = {[FORMAT_UBX] = true, [FORMAT_RTCM3] = true, [FORMAT_RINEX] = true, [FORMAT_OBS_CSV] = true},
     };
     static const char *const NAMES[N_LINES] = {"imu", "rover", "base"};
     const char *value = c->cli.value;
@@ -103,7 +106,8 @@ static void take_source(capture_t *c, int line)
         if (near >= 0) {
             cli_fail(&c->cli, "--%s: no format '%s'; did you mean '%s'?", NAMES[line], name, FORMAT_NAMES[near]);
         }
-        cli_fail(&c->cli, "--%s: no format '%s' (ubx, rtcm3, novatel, rinex, imu-csv, pelorus)", NAMES[line], name);
+        cli_fail(&c->cli, "--%s: no format '%s' (ubx, rtcm3, novatel, rinex, imu-csv, pelorus, obs-csv)", NAMES[line],
+                 name);
     }
     if (format >= 0 && !FITS[line][format]) {
         cli_fail(&c->cli, "--%s cannot be %s (see --help)", NAMES[line], FORMAT_NAMES[format]);
@@ -161,19 +165,25 @@ static void take_option(capture_t *c, int option)
             c->source[i].latency = (pel_time_t)(v[i] * 1e6);
         }
         break;
-    case OPT_IMU_COLUMNS: c->csv.columns = c->cli.value; break;
+    case OPT_IMU_COLUMNS: c->options.imu.columns = c->cli.value; break;
     case OPT_IMU_UNITS:
-        if (!imu_csv_units(c->cli.value, &c->csv.accel_unit, &c->csv.gyro_unit)) {
+        if (!imu_csv_units(c->cli.value, &c->options.imu.accel_unit, &c->options.imu.gyro_unit)) {
             cli_fail(&c->cli, "--imu-units %s: wanted e.g. g,deg/s or m/s2,rad/s", c->cli.value);
         }
         break;
-    case OPT_IMU_WEEK: c->csv.week = (int)cli_integer(&c->cli, 0, 9999); break;
+    case OPT_IMU_WEEK: c->options.imu.week = (int)cli_integer(&c->cli, 0, 9999); break;
     case OPT_IMU_TIME_OFFSET: {
         const double s = cli_number(&c->cli, -1e10, 1e10);
-        c->csv.offset_ns = (pel_time_t)llround(fmod(s, 1.0) * 1e9) + (pel_time_t)trunc(s) * PEL_NS_PER_S;
-        c->csv.has_offset = true;
+        c->options.imu.offset_ns = (pel_time_t)llround(fmod(s, 1.0) * 1e9) + (pel_time_t)trunc(s) * PEL_NS_PER_S;
+        c->options.imu.has_offset = true;
         break;
     }
+    case OPT_OBS_REMOVED:
+        if (!obs_removed_parse(c->cli.value, &c->options.removed)) {
+            cli_fail(&c->cli, "--obs-removed %s: some of receiver-clock, satellite-clock, group-delay, with commas",
+                     c->cli.value);
+        }
+        break;
     default: break;
     }
 }
@@ -181,7 +191,7 @@ static void take_option(capture_t *c, int option)
 static void parse(capture_t *c, int argc, char **argv)
 {
     memset(c, 0, sizeof *c);
-    c->csv.week = -1;
+    c->options.imu.week = -1;
     c->source[IMU].latency = 1 * PEL_NS_PER_MS;
     c->source[ROVER].latency = 50 * PEL_NS_PER_MS;
     c->source[BASE].latency = 80 * PEL_NS_PER_MS;
@@ -194,6 +204,9 @@ static void parse(capture_t *c, int argc, char **argv)
     }
     if (c->n_nav > 0 && c->source[ROVER].path == NULL && c->source[BASE].path == NULL) {
         cli_fail(&c->cli, "--nav needs a --rover or a --base");
+    }
+    if (obs_removed_any(&c->options.removed) && c->n_nav == 0) {
+        cli_fail(&c->cli, "--obs-removed needs the orbits of a --nav");
     }
     if (c->has_base_ecef && c->source[BASE].path == NULL) { cli_fail(&c->cli, "--base-ecef needs a --base"); }
 }
@@ -221,10 +234,11 @@ static int read_nav(capture_t *c, nav_set_t *nav, tally_t *tally)
 
 /* Streams that know their own time first, then those that need a date from them; the text IMU last, because its tags are
  * judged by the receiver's. */
-static int read_sources(capture_t *c, const nav_set_t *nav)
+static int read_sources(capture_t *c, nav_set_t *nav)
 {
     static const int ORDER[N_LINES] = {ROVER, BASE, IMU};
-    pel_time_t approx = c->date;
+    c->options.approx = c->date;
+    c->options.nav = nav;
     for (int i = 0; i < N_LINES; i++) {
         source_t *s = &c->source[i];
         if (s->path != NULL && source_load(s) != 0) { return unreadable(s->path, strerror(errno)); }
@@ -233,10 +247,10 @@ static int read_sources(capture_t *c, const nav_set_t *nav)
         for (int k = 0; k < N_LINES; k++) {
             source_t *s = &c->source[ORDER[k]];
             const char *why = "";
-            if (s->path == NULL || source_needs_date(s, &c->csv) != (round == 1)) { continue; }
-            if (!source_read(s, approx, nav->glo_k, &c->csv, &why)) { return unreadable(s->path, why); }
-            if (approx == 0) { approx = s->first_ns; }
-            if (s->tag_late_ns != 0) { c->csv.tag_late_ns = s->tag_late_ns; }
+            if (s->path == NULL || source_needs_date(s, &c->options) != (round == 1)) { continue; }
+            if (!source_read(s, &c->options, &why)) { return unreadable(s->path, why); }
+            if (c->options.approx == 0) { c->options.approx = s->first_ns; }
+            if (s->tag_late_ns != 0) { c->options.imu.tag_late_ns = s->tag_late_ns; }
             cli_progress(&c->cli, 0.1 + 0.2 * (double)(k + round));
         }
     }
@@ -248,11 +262,11 @@ static int add_frames(capture_t *c, nav_set_t *nav, tally_t *tally)
     source_t *rover = &c->source[ROVER], *base = &c->source[BASE];
     source_t *to = (rover->path != NULL) ? rover : base;
     const double *station = c->has_base_ecef ? c->base_ecef : base->has_station ? base->r_ea_e : NULL;
-    if (nav->n > 0 && !source_add_nav(&to->line, nav, to->first_ns - BEFORE_NS, to->last_ns, tally)) {
+    if (nav->n > 0 && !source_add_nav(&to->line, nav, to->first_ns - SOURCE_LEAD_NS, to->last_ns, tally)) {
         return unreadable(c->output, "out of memory");
     }
     if (base->path != NULL && station != NULL &&
-        !source_add_station(&base->line, station, base->first_ns - BEFORE_NS, base->last_ns)) {
+        !source_add_station(&base->line, station, base->first_ns - SOURCE_LEAD_NS, base->last_ns)) {
         return unreadable(base->path, "the base position does not go into a frame");
     }
     return EXIT_DONE;

@@ -4,6 +4,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "obs_csv.h"
 #include "pelorus/wire.h"
 #include "raw.h"
 #include "rinex_obs.h"
@@ -12,7 +13,7 @@
 #define UNIX_S_AT_GPS_START 315964800
 #define STATION_EVERY_NS    (30 * PEL_NS_PER_S)
 
-const char *const FORMAT_NAMES[N_FORMATS] = {"ubx", "rtcm3", "novatel", "rinex", "imu-csv", "pelorus"};
+const char *const FORMAT_NAMES[N_FORMATS] = {"ubx", "rtcm3", "novatel", "rinex", "imu-csv", "pelorus", "obs-csv"};
 
 int source_load(source_t *s)
 {
@@ -29,20 +30,39 @@ void source_free(source_t *s)
     timeline_free(&s->line);
 }
 
-bool source_needs_date(const source_t *s, const imu_csv_options_t *csv)
+bool source_needs_date(const source_t *s, const source_options_t *o)
 {
     imu_layout_t layout;
+    obs_csv_t rows;
+    tally_t unheard = {0};
     const char *why = NULL;
     if (s->format == FORMAT_RTCM3) { return true; }
+    if (s->format == FORMAT_OBS_CSV) {
+        return obs_csv_open(&rows, &s->in, 0, &unheard, &why) && !obs_csv_has_date(&rows);
+    }
     /* A logger's own clock is tied to the tags, whose error shows in a receiver's stream: that one goes first. */
-    return s->format == FORMAT_IMU_CSV && imu_csv_layout(&s->in, csv, &layout, &why) && layout.time != IMU_TIME_GPST;
+    return s->format == FORMAT_IMU_CSV && imu_csv_layout(&s->in, &o->imu, &layout, &why) &&
+           layout.time != IMU_TIME_GPST;
+}
+
+/* An epoch as UBX RXM-RAWX into the line. False: out of memory. */
+static bool add_epoch(source_t *s, const pel_epoch_t *e)
+{
+    uint8_t frame[PEL_RAWX_FRAME_BYTES];
+    const size_t n = pel_ubx_encode_rawx(e, pel_time_leap_s(e->t_ns), frame, sizeof frame);
+    if (n == 0) {
+        tally_add(&s->tally, TALLY_REFUSED, "epochs that do not go into a frame", 1);
+        return true;
+    }
+    if (s->n++ == 0) { s->first_ns = e->t_ns; }
+    s->last_ns = e->t_ns;
+    return timeline_add(&s->line, e->t_ns + s->latency, frame, n, true);
 }
 
 static bool read_rinex(source_t *s, const int8_t glo_k[33], const char **why)
 {
     rinex_obs_t *r = malloc(sizeof *r);
     pel_epoch_t *e = malloc(sizeof *e);
-    uint8_t frame[PEL_RAWX_FRAME_BYTES];
     bool ok = (r != NULL && e != NULL);
     if (!ok) { *why = "out of memory"; }
     if (ok) {
@@ -53,15 +73,8 @@ static bool read_rinex(source_t *s, const int8_t glo_k[33], const char **why)
             s->has_station = rinex_header_station(&r->header, s->r_ea_e);
         }
         while (ok && rinex_obs_next(r, e)) {
-            const size_t n = pel_ubx_encode_rawx(e, pel_time_leap_s(e->t_ns), frame, sizeof frame);
-            if (n == 0) {
-                tally_add(&s->tally, TALLY_REFUSED, "epochs that do not go into a frame", 1);
-                continue;
-            }
             *why = "out of memory";
-            ok = timeline_add(&s->line, e->t_ns + s->latency, frame, n, true);
-            if (s->n++ == 0) { s->first_ns = e->t_ns; }
-            s->last_ns = e->t_ns;
+            ok = add_epoch(s, e);
         }
         rinex_obs_close(r);
     }
@@ -74,12 +87,39 @@ static bool read_rinex(source_t *s, const int8_t glo_k[33], const char **why)
     return ok;
 }
 
-static bool read_imu_csv(source_t *s, pel_time_t approx, const imu_csv_options_t *csv, const char **why)
+static bool read_obs_csv(source_t *s, const source_options_t *o, const char **why)
 {
-    imu_csv_options_t o = *csv;
+    obs_csv_t rows;
+    obs_restore_t *restore = malloc(sizeof *restore);
+    pel_epoch_t *e = malloc(sizeof *e);
+    bool ok = (restore != NULL && e != NULL), opened = false;
+    *why = "out of memory";
+    ok = ok && obs_csv_open(&rows, &s->in, o->approx, &s->tally, why);
+    while (ok && obs_csv_next(&rows, e)) {
+        if (!opened) { obs_restore_open(restore, &o->removed, o->nav, e->t_ns - SOURCE_LEAD_NS, &s->tally); }
+        opened = true;
+        if (obs_removed_any(&o->removed) && !obs_restore_epoch(restore, e)) { continue; }
+        tally_add(&s->tally, TALLY_TAKEN, "epochs", 1);
+        tally_add(&s->tally, TALLY_TAKEN, "signals", e->n);
+        *why = "out of memory";
+        ok = add_epoch(s, e);
+    }
+    if (opened) { obs_restore_close(restore); }
+    free(restore);
+    free(e);
+    if (ok && s->n == 0) {
+        *why = "no epoch in it, or no orbits to put its clocks back";
+        ok = false;
+    }
+    return ok;
+}
+
+static bool read_imu_csv(source_t *s, const source_options_t *options, const char **why)
+{
+    imu_csv_options_t o = options->imu;
     imu_samples_t samples;
     uint8_t frame[PEL_IMU_FRAME_MAX];
-    o.ref_ns = approx;
+    o.ref_ns = options->approx;
     o.tags = s->tagged ? &s->tags : NULL;
     if (!imu_csv_read(&s->in, &o, &samples, &s->tally, why)) { return false; }
     bool ok = true;
@@ -99,13 +139,15 @@ static bool read_imu_csv(source_t *s, pel_time_t approx, const imu_csv_options_t
     return ok;
 }
 
-bool source_read(source_t *s, pel_time_t approx, const int8_t glo_k[33], const imu_csv_options_t *csv, const char **why)
+bool source_read(source_t *s, const source_options_t *o, const char **why)
 {
+    pel_time_t approx = o->approx;
     raw_times_t times = {0};
     bool ok = false;
     switch (s->format) {
-    case FORMAT_RINEX: return read_rinex(s, glo_k, why);
-    case FORMAT_IMU_CSV: return read_imu_csv(s, approx, csv, why);
+    case FORMAT_RINEX: return read_rinex(s, o->nav->glo_k, why);
+    case FORMAT_IMU_CSV: return read_imu_csv(s, o, why);
+    case FORMAT_OBS_CSV: return read_obs_csv(s, o, why);
     case FORMAT_UBX:
     case FORMAT_RTCM3:
         if (s->format == FORMAT_RTCM3 && approx == 0 && s->tagged && s->tags.n > 0) { approx = s->tags.tag[0].t_ns; }

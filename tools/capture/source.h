@@ -4,6 +4,7 @@
 
 #include "imu_csv.h"
 #include "input.h"
+#include "obs_restore.h"
 #include "rinex_nav.h"
 #include "tagfile.h"
 #include "tally.h"
@@ -16,6 +17,7 @@ typedef enum {
     FORMAT_RINEX,
     FORMAT_IMU_CSV,
     FORMAT_PELORUS,
+    FORMAT_OBS_CSV,
     N_FORMATS
 } format_t;
 
@@ -39,15 +41,25 @@ typedef struct {
     char codes[512]; /* RINEX: codes chosen */
 } source_t;
 
+/* Orbits and station are sent this long before the first epoch. */
+#define SOURCE_LEAD_NS (PEL_NS_PER_S)
+
+/* What else reading a source takes. */
+typedef struct {
+    pel_time_t approx; /* GPS time within 3 days, 0 if not known */
+    nav_set_t *nav;    /* GLONASS channels; orbits for what is put back into text rows (sorted in place) */
+    imu_csv_options_t imu;
+    obs_removed_t removed; /* from text rows */
+} source_options_t;
+
 /* Does it need an approximate date before it can be read? */
-bool source_needs_date(const source_t *s, const imu_csv_options_t *csv);
+bool source_needs_date(const source_t *s, const source_options_t *o);
 
 /* Load the file and the time tags beside it. 0, or -1 with errno. */
 int source_load(source_t *s);
 
-/* Fill the line. approx: GPS time within 3 days, 0 if not known; glo_k: GLONASS channels; csv: options of text IMU. False: *why. */
-bool source_read(source_t *s, pel_time_t approx, const int8_t glo_k[33], const imu_csv_options_t *csv,
-                 const char **why);
+/* Fill the line. False: *why. */
+bool source_read(source_t *s, const source_options_t *o, const char **why);
 
 /* Ephemerides and ionosphere as frames, from just before `start` on; and a station every 30 s. */
 bool source_add_nav(timeline_t *line, nav_set_t *nav, pel_time_t start, pel_time_t end, tally_t *tally);
