@@ -144,6 +144,9 @@ double pel_obs_lambda_m(const pel_obs_t *obs);
 /* Is this part of the observation present, finite and of a possible size? part: PEL_OBS_CODE, _PHASE or _DOPPLER. */
 bool pel_obs_usable(const pel_obs_t *obs, unsigned part);
 
+/* All of them at once, as bits. */
+unsigned pel_obs_usable_parts(const pel_obs_t *obs);
+
 /* ---- noise ------------------------------------------------------------------------------------------------------ */
 
 /* Standard deviations of ONE receiver's observation: sd^2 = factor^2 (a^2 + (b / sin el)^2), and with cn0_ref_dbhz > 0
@@ -161,8 +164,9 @@ typedef struct {
 
 void pel_noise_default(pel_noise_config_t *noise);
 
-/* Variance of one receiver's observation (m^2, (m/s)^2), without its factor. part as in pel_obs_usable(). */
-double pel_noise_var(const pel_noise_config_t *noise, unsigned part, double el_rad, double cn0_dbhz);
+/* Variance of one receiver's observation (m^2, (m/s)^2), without its factor. part as in pel_obs_usable(). sin_el: of the
+ * elevation, whose sine the three parts share; below 0.05 it counts as that. */
+double pel_noise_var(const pel_noise_config_t *noise, unsigned part, double sin_el, double cn0_dbhz);
 
 /* ---- single-point solution -------------------------------------------------------------------------------------- */
 

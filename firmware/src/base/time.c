@@ -32,6 +32,8 @@ double pel_time_tow_s(pel_time_t t_ns)
 double pel_time_diff_s(pel_time_t a_ns, pel_time_t b_ns)
 {
     const int64_t d = (int64_t)((uint64_t)a_ns - (uint64_t)b_ns); /* of any two numbers: memory may change by itself */
+    /* Most spans are short: the same number without a division of 64 bits. */
+    if (d > -PEL_NS_PER_S && d < PEL_NS_PER_S) { return (double)(int32_t)d * 1e-9; }
     const int64_t whole_s = d / PEL_NS_PER_S;
     return (double)whole_s + (double)(d - whole_s * PEL_NS_PER_S) * 1e-9;
 }

@@ -39,24 +39,25 @@ typedef struct {
 static reduced_t reduce(const pel_obs_t *obs, const pel_sight_t *s, const pel_noise_config_t *noise, double factor)
 {
     const double lambda = pel_obs_lambda_m(obs);
-    const double el = (double)s->el_rad;
+    const double sin_el = pel_sin((double)s->el_rad);
     const double cn0 = (double)obs->cn0_dbhz;
     const double gain = factor * factor;
-    reduced_t r = {.has_code = pel_obs_usable(obs, PEL_OBS_CODE),
-                   .has_phase = pel_obs_usable(obs, PEL_OBS_PHASE),
-                   .has_rate = pel_obs_usable(obs, PEL_OBS_DOPPLER)};
+    const unsigned parts = pel_obs_usable_parts(obs);
+    reduced_t r = {.has_code = (parts & PEL_OBS_CODE) != 0u,
+                   .has_phase = (parts & PEL_OBS_PHASE) != 0u,
+                   .has_rate = (parts & PEL_OBS_DOPPLER) != 0u};
     if (r.has_code) {
         r.code_m = obs->P_m - pel_sight_code_m(s, obs);
         r.var_code =
-            gain * ((obs->sys == PEL_SYS_GLO) ? GLO_CODE_GAIN : 1.0) * pel_noise_var(noise, PEL_OBS_CODE, el, cn0);
+            gain * ((obs->sys == PEL_SYS_GLO) ? GLO_CODE_GAIN : 1.0) * pel_noise_var(noise, PEL_OBS_CODE, sin_el, cn0);
     }
     if (r.has_phase) {
         r.phase_m = lambda * obs->L_cyc - pel_sight_phase_m(s, obs);
-        r.var_phase = gain * pel_noise_var(noise, PEL_OBS_PHASE, el, cn0);
+        r.var_phase = gain * pel_noise_var(noise, PEL_OBS_PHASE, sin_el, cn0);
     }
     if (r.has_rate) {
         r.rate_mps = -lambda * (double)obs->D_hz - pel_sight_rate_mps(s);
-        r.var_rate = gain * pel_noise_var(noise, PEL_OBS_DOPPLER, el, cn0);
+        r.var_rate = gain * pel_noise_var(noise, PEL_OBS_DOPPLER, sin_el, cn0);
     }
     return r;
 }
@@ -207,14 +208,27 @@ static unsigned systems_in(const pel_sd_set_t *set)
     return systems;
 }
 
+/* The carriers of each system that an epoch has, as bits. */
+static void carriers_of(const pel_epoch_t *e, unsigned carriers[PEL_N_SYS])
+{
+    for (int sys = 0; sys < PEL_N_SYS; sys++) { carriers[sys] = 0u; }
+    for (int i = 0; i < e->n && i < PEL_MAX_OBS; i++) {
+        const pel_obs_t *obs = &e->obs[i];
+        if (obs->sys < PEL_N_SYS && obs->carrier < PEL_N_CARRIER) { carriers[obs->sys] |= 1u << obs->carrier; }
+    }
+}
+
 /* Append the rows of all systems but these. */
 static pel_status_t form(const pair_t *p, unsigned but, pel_sd_set_t *out)
 {
     pel_sd_t d;
+    unsigned carriers[PEL_N_SYS];
     const int before = out->n;
+    carriers_of(p->rover, carriers);
     for (int sys = 0; sys < PEL_N_SYS; sys++) {
         if ((but & (1u << sys)) != 0) { continue; }
         for (int carrier = 0; carrier < PEL_N_CARRIER; carrier++) {
+            if ((carriers[sys] & (1u << carrier)) == 0u) { continue; }
             const int first = out->n;
             for (int i = 0; i < p->rover->n && i < PEL_MAX_OBS; i++) {
                 const pel_obs_t *obs = &p->rover->obs[i];

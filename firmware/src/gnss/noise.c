@@ -7,18 +7,21 @@ double pel_obs_lambda_m(const pel_obs_t *obs)
     return (f_hz > 0.0) ? PEL_SPEED_OF_LIGHT / f_hz : 0.0;
 }
 
+unsigned pel_obs_usable_parts(const pel_obs_t *obs)
+{
+    if (obs->prn < 1 || obs->prn > pel_sys_max_prn((pel_sys_t)obs->sys)) { return 0u; }
+    if (!(pel_carrier_hz((pel_sys_t)obs->sys, (pel_carrier_t)obs->carrier, obs->glo_k) > 0.0)) { return 0u; }
+    unsigned parts = 0u;
+    /* From the nearest MEO to a GEO, and 30 ms of receiver clock. Comparisons are false for NaN. */
+    if (obs->P_m > 1.0e7 && obs->P_m < 6.0e7) { parts |= PEL_OBS_CODE; }
+    if (pel_fabs(obs->L_cyc) < 1.0e10 && obs->L_cyc != 0.0) { parts |= PEL_OBS_PHASE; }
+    if (pel_fabs((double)obs->D_hz) < 1.0e5) { parts |= PEL_OBS_DOPPLER; }
+    return parts & obs->flags;
+}
+
 bool pel_obs_usable(const pel_obs_t *obs, unsigned part)
 {
-    if ((obs->flags & part) == 0u) { return false; }
-    if (obs->prn < 1 || obs->prn > pel_sys_max_prn((pel_sys_t)obs->sys)) { return false; }
-    if (!(pel_obs_lambda_m(obs) > 0.0)) { return false; }
-    switch (part) {
-    /* From the nearest MEO to a GEO, and 30 ms of receiver clock. Comparisons are false for NaN. */
-    case PEL_OBS_CODE: return obs->P_m > 1.0e7 && obs->P_m < 6.0e7;
-    case PEL_OBS_PHASE: return pel_fabs(obs->L_cyc) < 1.0e10 && obs->L_cyc != 0.0;
-    case PEL_OBS_DOPPLER: return pel_fabs((double)obs->D_hz) < 1.0e5;
-    default: return false;
-    }
+    return (pel_obs_usable_parts(obs) & part) != 0u;
 }
 
 void pel_noise_default(pel_noise_config_t *noise)
@@ -39,7 +42,7 @@ void pel_noise_default(pel_noise_config_t *noise)
     };
 }
 
-double pel_noise_var(const pel_noise_config_t *noise, unsigned part, double el_rad, double cn0_dbhz)
+double pel_noise_var(const pel_noise_config_t *noise, unsigned part, double sin_el, double cn0_dbhz)
 {
     double a = noise->doppler_a_mps;
     double b = noise->doppler_b_mps;
@@ -50,9 +53,7 @@ double pel_noise_var(const pel_noise_config_t *noise, unsigned part, double el_r
         a = noise->phase_a_m;
         b = noise->phase_b_m;
     }
-    double sin_el = pel_sin(el_rad);
-    if (!(sin_el > 0.05)) { sin_el = 0.05; }
-    const double at_el = b / sin_el;
+    const double at_el = b / ((sin_el > 0.05) ? sin_el : 0.05);
     double var = a * a + at_el * at_el;
     if (noise->cn0_ref_dbhz > 0.0 && cn0_dbhz > 0.0 && cn0_dbhz < noise->cn0_ref_dbhz) {
         var *= pel_exp((noise->cn0_ref_dbhz - cn0_dbhz) * 0.23025850929940457); /* ln(10) / 10 */

@@ -16,10 +16,11 @@
 typedef struct {
     const pel_epoch_t *e;
     const pel_view_t *view;
-    double phase_sd_m;          /* at the zenith, strong */
-    int16_t old[PEL_MAX_OBS];   /* entry of the epoch before, -1 none */
-    double value[PEL_MAX_OBS];  /* what a detector looks at; only where valid */
-    double sorted[PEL_MAX_OBS]; /* the same, for the median */
+    double phase_sd_m;           /* at the zenith, strong */
+    int16_t old[PEL_MAX_OBS];    /* entry of the epoch before, -1 none */
+    uint8_t usable[PEL_MAX_OBS]; /* PEL_OBS_CODE, _PHASE, _DOPPLER */
+    double value[PEL_MAX_OBS];   /* what a detector looks at; only where valid */
+    double sorted[PEL_MAX_OBS];  /* the same, for the median */
     bool valid[PEL_MAX_OBS];
 } pass_t;
 
@@ -27,11 +28,6 @@ void pel_slip_init(pel_slip_t *s)
 {
     memset(s, 0, sizeof *s);
     s->phase_sd_m = PHASE_SD_M;
-}
-
-static bool has_phase(const pel_obs_t *obs)
-{
-    return pel_obs_usable(obs, PEL_OBS_PHASE);
 }
 
 static bool is_signal(const pel_slip_entry_t *k, const pel_obs_t *obs)
@@ -60,7 +56,8 @@ static double noise_factor(const pass_t *p, const pel_obs_t *obs)
     const pel_sight_t *s = (p->view != NULL) ? pel_view_find(p->view, obs->sys, obs->prn) : NULL;
     const double sin_el = (s != NULL) ? pel_max(pel_sin((double)s->el_rad), 0.1) : 0.7;
     const double weak_db = (obs->cn0_dbhz > 0.0f) ? pel_max(CN0_STRONG - (double)obs->cn0_dbhz, 0.0) : 0.0;
-    return pel_sqrt(0.5 + 0.5 / (sin_el * sin_el)) * pel_exp(weak_db * 0.115129254649702286); /* 10^(dB/20) */
+    const double at_el = pel_sqrt(0.5 + 0.5 / (sin_el * sin_el));
+    return (weak_db > 0.0) ? at_el * pel_exp(weak_db * 0.115129254649702286) : at_el; /* 10^(dB/20) */
 }
 
 /* Median of the valid values; 0 with fewer than three, which cannot outvote a slip. */
@@ -159,7 +156,7 @@ static void phase_minus_doppler(pass_t *p, const pel_slip_t *s, double jump_ms)
     for (int i = 0; i < p->e->n; i++) {
         const pel_obs_t *obs = &p->e->obs[i];
         p->valid[i] = false;
-        if (p->old[i] < 0 || !pel_obs_usable(obs, PEL_OBS_DOPPLER)) { continue; }
+        if (p->old[i] < 0 || (p->usable[i] & PEL_OBS_DOPPLER) == 0u) { continue; }
         const pel_slip_entry_t *old = &s->entry[p->old[i]];
         if (!old->has_rate) { continue; }
         const double lambda = pel_obs_lambda_m(obs);
@@ -199,7 +196,7 @@ static double clock_jump_ms(pass_t *p, const pel_slip_t *s)
     for (int i = 0; i < p->e->n; i++) {
         const pel_obs_t *obs = &p->e->obs[i];
         p->valid[i] = false;
-        if (p->old[i] < 0 || !pel_obs_usable(obs, PEL_OBS_CODE) || s->entry[p->old[i]].code_m == 0.0) { continue; }
+        if (p->old[i] < 0 || (p->usable[i] & PEL_OBS_CODE) == 0u || s->entry[p->old[i]].code_m == 0.0) { continue; }
         p->value[i] = obs->P_m - pel_obs_lambda_m(obs) * obs->L_cyc - s->entry[p->old[i]].code_m;
         p->valid[i] = true;
     }
@@ -228,8 +225,9 @@ static void phase_minus_prediction(pass_t *p, const pel_slip_t *s, const pel_sli
 
 /* ---- memory ---------------------------------------------------------------------------------------------------- */
 
-static pel_slip_entry_t remember(const pass_t *p, const pel_obs_t *obs)
+static pel_slip_entry_t remember(const pass_t *p, int i)
 {
+    const pel_obs_t *obs = &p->e->obs[i];
     const double lambda = pel_obs_lambda_m(obs);
     const pel_sight_t *sight = (p->view != NULL) ? pel_view_find(p->view, obs->sys, obs->prn) : NULL;
     pel_slip_entry_t k = {.sys = obs->sys, .prn = obs->prn, .carrier = obs->carrier, .code = obs->code};
@@ -237,8 +235,8 @@ static pel_slip_entry_t remember(const pass_t *p, const pel_obs_t *obs)
     k.lock_ms = obs->lock_ms;
     k.t_ns = p->e->t_ns;
     k.y_m = lambda * obs->L_cyc;
-    if (pel_obs_usable(obs, PEL_OBS_CODE)) { k.code_m = obs->P_m - k.y_m; }
-    if (pel_obs_usable(obs, PEL_OBS_DOPPLER)) {
+    if ((p->usable[i] & PEL_OBS_CODE) != 0u) { k.code_m = obs->P_m - k.y_m; }
+    if ((p->usable[i] & PEL_OBS_DOPPLER) != 0u) {
         k.has_rate = true;
         k.rate_mps = (float)(-lambda * (double)obs->D_hz);
     }
@@ -255,8 +253,8 @@ static void remember_epoch(pass_t *p, pel_slip_t *s)
 {
     int n_new = 0, kept = 0;
     for (int i = 0; i < p->e->n; i++) {
-        if (p->old[i] >= 0) { s->entry[p->old[i]] = remember(p, &p->e->obs[i]); }
-        n_new += p->old[i] < 0 && has_phase(&p->e->obs[i]);
+        if (p->old[i] >= 0) { s->entry[p->old[i]] = remember(p, i); }
+        n_new += p->old[i] < 0 && (p->usable[i] & PEL_OBS_PHASE) != 0u;
     }
     for (int k = 0; k < s->n; k++) {
         const double age_s = pel_time_diff_s(p->e->t_ns, s->entry[k].t_ns);
@@ -266,12 +264,12 @@ static void remember_epoch(pass_t *p, pel_slip_t *s)
     s->n = kept;
     for (int i = 0; i < p->e->n; i++) {
         const pel_obs_t *obs = &p->e->obs[i];
-        if (p->old[i] >= 0 || !has_phase(obs)) { continue; }
+        if (p->old[i] >= 0 || (p->usable[i] & PEL_OBS_PHASE) == 0u) { continue; }
         const int16_t k = find_entry(s, obs, 0); /* too old to compare with, or the same signal twice */
         if (k >= 0) {
-            s->entry[k] = remember(p, obs);
+            s->entry[k] = remember(p, i);
         } else if (s->n < PEL_MAX_OBS) {
-            s->entry[s->n++] = remember(p, obs);
+            s->entry[s->n++] = remember(p, i);
         }
     }
     s->checked_ns = p->e->t_ns;
@@ -285,7 +283,8 @@ static void match(pass_t *p, const pel_slip_t *s, pel_epoch_t *e)
         pel_obs_t *obs = &e->obs[i];
         p->old[i] = -1;
         p->valid[i] = false;
-        if (!has_phase(obs)) { continue; }
+        p->usable[i] = (uint8_t)pel_obs_usable_parts(obs);
+        if ((p->usable[i] & PEL_OBS_PHASE) == 0u) { continue; }
         const int16_t k = find_entry(s, obs, next);
         if (k >= 0) {
             const double dt = elapsed_s(p, &s->entry[k]);
@@ -303,7 +302,7 @@ static void turn_reversed_doppler(const pass_t *p, const pel_slip_t *s, pel_epoc
     int right = 0, wrong = 0;
     for (int i = 0; i < e->n; i++) {
         const pel_obs_t *obs = &e->obs[i];
-        if (p->old[i] < 0 || !pel_obs_usable(obs, PEL_OBS_DOPPLER)) { continue; }
+        if (p->old[i] < 0 || (p->usable[i] & PEL_OBS_DOPPLER) == 0u) { continue; }
         const pel_slip_entry_t *old = &s->entry[p->old[i]];
         const double lambda = pel_obs_lambda_m(obs);
         const double change = (lambda * obs->L_cyc - old->y_m) / elapsed_s(p, old);
@@ -320,7 +319,10 @@ void pel_slip_check(pel_slip_t *s, pel_epoch_t *e, const pel_view_t *view, const
                     pel_nav_counters_t *count)
 {
     pel_nav_counters_t unheard;
-    pass_t p = {.e = e, .view = view, .phase_sd_m = s->phase_sd_m};
+    pass_t p; /* match() fills what it is asked for: the rest is as large as an epoch may be */
+    p.e = e;
+    p.view = view;
+    p.phase_sd_m = s->phase_sd_m;
     if (count == NULL) {
         memset(&unheard, 0, sizeof unheard);
         count = &unheard;

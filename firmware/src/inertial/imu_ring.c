@@ -74,9 +74,9 @@ int pel_imu_ring_after(const pel_imu_ring_t *ring, pel_time_t t_ns)
 
 pel_status_t pel_imu_split(const pel_imu_t *whole, pel_time_t t_ns, pel_imu_t *first, pel_imu_t *second)
 {
-    const pel_imu_t w = *whole;
-    const double rest_s = (double)(w.t_ns - t_ns) * 1e-9;
-    if (!(rest_s > 0.0 && rest_s < w.dt_s)) { return PEL_E_RANGE; }
+    const double rest_s = pel_time_diff_s(whole->t_ns, t_ns);
+    if (!(rest_s > 0.0 && rest_s < whole->dt_s)) { return PEL_E_RANGE; }
+    const pel_imu_t w = *whole;           /* either part may be the whole's own place */
     const double share = rest_s / w.dt_s; /* of the second part */
 
     *first = w;

@@ -26,16 +26,17 @@ static void step(const pel_navigator_t *nav, const pel_imu_t *imu, pel_strapdown
     pel_strapdown_step(s, c, alpha, upsilon, imu->dt_s, imu->t_ns);
 }
 
-/* The part of the ring's i-th increment that lies in (from, to]. False if nothing is left of it. */
-static bool clipped(const pel_navigator_t *nav, int i, pel_time_t from_ns, pel_time_t to_ns, pel_imu_t *out)
+/* The part of the ring's i-th increment that lies in (from, to]: the increment itself or, where it is cut, *part. NULL if nothing is
+ * left of it. */
+static const pel_imu_t *clipped(const pel_navigator_t *nav, int i, pel_time_t from_ns, pel_time_t to_ns,
+                                pel_imu_t *part)
 {
-    const pel_imu_t *whole = pel_imu_ring_at(&nav->ring, i);
-    pel_imu_t before;
-    if (whole == NULL) { return false; }
-    *out = *whole;
-    (void)pel_imu_split(out, from_ns, &before, out);
-    (void)pel_imu_split(out, to_ns, out, &before);
-    return out->t_ns > from_ns && out->t_ns <= to_ns;
+    const pel_imu_t *imu = pel_imu_ring_at(&nav->ring, i);
+    pel_imu_t rest;
+    if (imu == NULL) { return NULL; }
+    if (pel_imu_split(imu, from_ns, &rest, part) == PEL_OK) { imu = part; }
+    if (imu->t_ns > to_ns && pel_imu_split(imu, to_ns, part, &rest) == PEL_OK) { imu = part; }
+    return (imu->t_ns > from_ns && imu->t_ns <= to_ns) ? imu : NULL;
 }
 
 static void smooth_omega(pel_navigator_t *nav, const pel_imu_t *imu)
@@ -79,17 +80,18 @@ static pel_status_t advance_ins(pel_navigator_t *nav, pel_time_t t_ns)
     if (pel_time_diff_s(oldest->t_ns, s->t_ns) > oldest->dt_s + 1e-6) { return PEL_E_MISSING; }
     pel_status_t status = PEL_OK;
     pel_imu_t part;
+    const pel_imu_t *imu;
     const int first = pel_imu_ring_after(&nav->ring, s->t_ns);
     if (!is_whole_from(nav, first)) { return PEL_E_RANGE; }
-    for (int i = first; clipped(nav, i, s->t_ns, t_ns, &part); i++) {
-        step(nav, &part, s, &nav->coning_horizon);
-        smooth_omega(nav, &part);
-        decay_markov(nav, part.dt_s);
+    for (int i = first; (imu = clipped(nav, i, s->t_ns, t_ns, &part)) != NULL; i++) {
+        step(nav, imu, s, &nav->coning_horizon);
+        smooth_omega(nav, imu);
+        decay_markov(nav, imu->dt_s);
         const pel_status_t added = pel_propagator_add(&nav->propagator, &nav->model, nav->coning_horizon.dv_f_e,
-                                                      part.dt_s, s->C_b_e, s->r_eb_e, &nav->ud);
+                                                      imu->dt_s, s->C_b_e, s->r_eb_e, &nav->ud);
         if (added < 0) { status = added; }
         double turn, push;
-        if (pel_nav_doubt_of(nav, i, part.dt_s, &turn, &push)) { pel_nav_doubt_motion(nav, turn, push); }
+        if (pel_nav_doubt_of(nav, i, imu->dt_s, &turn, &push)) { pel_nav_doubt_motion(nav, turn, push); }
     }
     const pel_status_t flushed = pel_propagator_flush(&nav->propagator, &nav->model, s->C_b_e, s->r_eb_e, &nav->ud);
     s->t_ns = t_ns;
@@ -152,13 +154,14 @@ void pel_nav_predict_now(pel_navigator_t *nav)
     if (!nav->ins) { return; }
     nav->coning_now = nav->coning_horizon;
     pel_imu_t part;
+    const pel_imu_t *imu;
     const int first = pel_imu_ring_after(&nav->ring, nav->now.t_ns);
     if (!is_whole_from(nav, first)) {
         pel_nav_drop_ins(nav);
         return;
     }
-    for (int i = first; clipped(nav, i, nav->now.t_ns, INT64_MAX, &part); i++) {
-        step(nav, &part, &nav->now, &nav->coning_now);
+    for (int i = first; (imu = clipped(nav, i, nav->now.t_ns, INT64_MAX, &part)) != NULL; i++) {
+        step(nav, imu, &nav->now, &nav->coning_now);
     }
 }
 

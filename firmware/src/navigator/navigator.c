@@ -86,10 +86,17 @@ static pel_epoch_t *choose_base(pel_navigator_t *nav, pel_time_t t_ns)
     return &nav->base[index];
 }
 
+/* What an epoch holds, not the room it has: its count may have changed by itself since it was looked at. */
+static void copy_epoch(const pel_epoch_t *from, pel_epoch_t *to)
+{
+    const size_t n = (from->n < PEL_MAX_OBS) ? from->n : PEL_MAX_OBS;
+    memcpy(to, from, offsetof(pel_epoch_t, obs) + n * sizeof from->obs[0]);
+}
+
 static void drop_oldest(pel_navigator_t *nav)
 {
     nav->n_rover--;
-    memmove(&nav->rover[0], &nav->rover[1], (size_t)nav->n_rover * sizeof nav->rover[0]);
+    for (int i = 0; i < nav->n_rover; i++) { copy_epoch(&nav->rover[i + 1], &nav->rover[i]); }
 }
 
 static void begin_oldest(pel_navigator_t *nav)
@@ -241,7 +248,7 @@ static void take_rover(pel_navigator_t *nav, const pel_epoch_t *epoch)
         nav->counters.epochs_late++;
         return;
     }
-    memmove(&nav->rover[place + 1], &nav->rover[place], (size_t)(nav->n_rover - place) * sizeof nav->rover[0]);
+    for (int i = nav->n_rover; i > place; i--) { copy_epoch(&nav->rover[i - 1], &nav->rover[i]); }
     copy_allowed(nav, epoch, &nav->rover[place]);
     nav->n_rover++;
     pel_nav_note_lead(nav, epoch->t_ns);
@@ -287,7 +294,7 @@ static void take_base(pel_navigator_t *nav, const pel_epoch_t *epoch)
     nav->late_base = 0;
     if (nav->n_base == PEL_BASE_QUEUE) {
         nav->n_base--;
-        memmove(&nav->base[0], &nav->base[1], (size_t)nav->n_base * sizeof nav->base[0]);
+        for (int i = 0; i < nav->n_base; i++) { copy_epoch(&nav->base[i + 1], &nav->base[i]); }
     }
     pel_epoch_t *kept = &nav->base[nav->n_base++];
     copy_allowed(nav, epoch, kept);

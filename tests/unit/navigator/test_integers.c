@@ -103,7 +103,7 @@ static void code_noise_is_learnt_whatever_was_told(void)
         /* Told: 0.35 m at the zenith, and half of the variance grows with 1 / sin^2 of elevation; the scene is white at all. */
         double told = 0.0;
         for (int k = 0; k < nav.sd.n; k++) {
-            told += pel_noise_var(&nav.cfg.noise, PEL_OBS_CODE, (double)nav.sd.sd[k].el_rad, 45.0) / nav.sd.n;
+            told += pel_noise_var(&nav.cfg.noise, PEL_OBS_CODE, sin((double)nav.sd.sd[k].el_rad), 45.0) / nav.sd.n;
         }
         const double learnt = told * (double)nav.noise_level.of[PEL_NAV_LEVEL_CODE][PEL_SYS_GPS][PEL_CARRIER_L1].factor;
         printf("code of %.2f m: taken as %.2f m on average\n", SD_M[i], sqrt(learnt));
