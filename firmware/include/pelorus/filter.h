@@ -19,8 +19,8 @@ extern "C" {
 
 #define PEL_UD_PACKED (PEL_MAX_STATES * (PEL_MAX_STATES - 1) / 2)
 
-/* Most states that white noise may drive directly in one pel_ud_time_update(). */
-#define PEL_UD_MAX_NOISE 12
+/* Most states that white noise may drive directly in one pel_ud_time_update(): attitude and velocity. */
+#define PEL_UD_MAX_NOISE 6
 
 /* Most states, counted from the first, that a pel_ud_time_update() may touch; those after them (ambiguities) stand still. */
 #define PEL_UD_MAX_MOVING 24
@@ -52,11 +52,14 @@ pel_status_t pel_ud_set_variance(pel_ud_t *ud, int i, pel_real var);
  * PEL_E_RANGE (ud unchanged) if sizes differ, a state beyond PEL_UD_MAX_MOVING is touched or more than PEL_UD_MAX_NOISE states have
  * noise; PEL_E_NOT_POSDEF (ud unusable: restart it) if a D is no longer > 0 or not finite.
  * Cost: rotations for every element left of a touched row's diagonal; 18 states of S5: about 3 900 multiply-adds in 1 940 pairs, 230
- * divisions. Untouched states at the end cost only their columns. Stack about 4 KB in float. */
+ * divisions. Untouched states at the end cost only their columns. Stack 3.4 KB in float. */
 pel_status_t pel_ud_time_update(pel_ud_t *ud, const pel_transition_t *t);
 
 /* P = (I + diag(decay)) P (I + diag(decay))' + diag(q): Markov states (pel_model_slow). x decays too. decay > -1, q >= 0. */
 pel_status_t pel_ud_decay(pel_ud_t *ud, const pel_real decay[], const pel_real q[]);
+
+/* P_ii += q: white noise on one state. q >= 0. i^2 multiply-adds. */
+void pel_ud_add_noise(pel_ud_t *ud, int i, pel_real q);
 
 /* P += q c c' with c zero from row k on (Agee and Turner): c has k elements. Destroys c. q >= 0. k^2 multiply-adds. */
 void pel_ud_rank_one(pel_ud_t *ud, int k, pel_real c[], pel_real q);

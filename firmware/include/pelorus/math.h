@@ -7,6 +7,8 @@
 #ifndef PELORUS_MATH_H
 #define PELORUS_MATH_H
 
+#include <string.h>
+
 #include "pelorus/base.h"
 
 #ifdef __cplusplus
@@ -21,6 +23,14 @@ extern "C" {
 #define PEL_R(x) (x)
 #else
 #define PEL_R(x) (x##f)
+#endif
+
+/* Short functions are inlined where code is built for speed and called where it is built for size (-Os): without a processor for doubles
+ * y = A x is 240 bytes. Their bodies are at the end. */
+#if defined(__OPTIMIZE_SIZE__) && !defined(PEL_MATH_BODIES)
+#define PEL_SHORT
+#else
+#define PEL_SHORT inline
 #endif
 
 /* ---- elementary functions ------------------------------------------------------------------------------------- */
@@ -68,34 +78,20 @@ static inline bool pel_isfiniter(pel_real x)
 
 static inline double pel_fabs(double x)
 {
-    return (x < 0.0) ? -x : x;
+    return __builtin_fabs(x); /* one bit, no library */
 }
-static inline double pel_min(double a, double b)
-{
-    return (a < b) ? a : b;
-}
-static inline double pel_max(double a, double b)
-{
-    return (a > b) ? a : b;
-}
+PEL_SHORT double pel_min(double a, double b);
+PEL_SHORT double pel_max(double a, double b);
 
 /* Angle brought into (-pi, pi], |x| <= 1e6 rad. */
 double pel_wrap_pi(double x);
 
 /* ---- 3-vectors and 3x3 matrices (row-major, A[row][column]); outputs must not alias inputs unless said ---------- */
 
-static inline double pel_dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+PEL_SHORT double pel_dot3(const double a[3], const double b[3]);
 
 /* out = a x b */
-static inline void pel_cross3(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
+PEL_SHORT void pel_cross3(const double a[3], const double b[3], double out[3]);
 
 double pel_norm3(const double a[3]);
 
@@ -103,19 +99,15 @@ double pel_norm3(const double a[3]);
 double pel_unit3(const double a[3], double out[3]);
 
 /* y = A x */
-static inline void pel_mat3_vec(const double A[3][3], const double x[3], double y[3])
-{
-    y[0] = A[0][0] * x[0] + A[0][1] * x[1] + A[0][2] * x[2];
-    y[1] = A[1][0] * x[0] + A[1][1] * x[1] + A[1][2] * x[2];
-    y[2] = A[2][0] * x[0] + A[2][1] * x[1] + A[2][2] * x[2];
-}
+PEL_SHORT void pel_mat3_vec(const double A[3][3], const double x[3], double y[3]);
 
 /* y = A' x */
-static inline void pel_mat3_tvec(const double A[3][3], const double x[3], double y[3])
+PEL_SHORT void pel_mat3_tvec(const double A[3][3], const double x[3], double y[3]);
+
+/* to = from */
+static inline void pel_mat3_copy(const double from[3][3], double to[3][3])
 {
-    y[0] = A[0][0] * x[0] + A[1][0] * x[1] + A[2][0] * x[2];
-    y[1] = A[0][1] * x[0] + A[1][1] * x[1] + A[2][1] * x[2];
-    y[2] = A[0][2] * x[0] + A[1][2] * x[1] + A[2][2] * x[2];
+    memcpy(to, from, 9 * sizeof to[0][0]);
 }
 
 void pel_mat3_mul(const double A[3][3], const double B[3][3], double C[3][3]);  /* C = A B */
@@ -129,6 +121,10 @@ pel_status_t pel_mat3_inverse(const double A[3][3], double Ainv[3][3]);
 
 /* C = exp([v x]): the rotation by |v| rad about v. Orthogonal to 2e-15. About 60 flops below 0.03 rad, a sine more above. */
 void pel_rotvec_to_dcm(const double v[3], double C[3][3]);
+
+/* Turn by the rotation vector v, |v| in rad: C = C exp([v x]), v in the axes C takes from; C = exp([v x]) C, in those it takes to. In place. */
+void pel_dcm_turn_from(double C[3][3], const double v[3]);
+void pel_dcm_turn_to(double C[3][3], const double v[3]);
 
 /* v with exp([v x]) = C, |v| in [0, pi]; C orthogonal. Absolute error below 1e-15 up to |v| = 3, growing to 1e-8 at pi. */
 void pel_dcm_to_rotvec(const double C[3][3], double v[3]);
@@ -150,6 +146,46 @@ double pel_chi2_tail(int dof, double x);
 /* The value a chi-square variable with dof (1..400) degrees of freedom stays below with probability p in (0.5, 1 - 1e-9].
  * Relative error below 1e-6. About 5 dof multiplications: for gates that do not change, call it once. NaN outside. */
 double pel_chi2_threshold(int dof, double p);
+
+/* ---- bodies of short functions ---------------------------------------------------------------------------------- */
+
+#if !defined(__OPTIMIZE_SIZE__) || defined(PEL_MATH_BODIES)
+inline double pel_min(double a, double b)
+{
+    return (a < b) ? a : b;
+}
+
+inline double pel_max(double a, double b)
+{
+    return (a > b) ? a : b;
+}
+
+inline double pel_dot3(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+inline void pel_cross3(const double a[3], const double b[3], double out[3])
+{
+    out[0] = a[1] * b[2] - a[2] * b[1];
+    out[1] = a[2] * b[0] - a[0] * b[2];
+    out[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+inline void pel_mat3_vec(const double A[3][3], const double x[3], double y[3])
+{
+    y[0] = A[0][0] * x[0] + A[0][1] * x[1] + A[0][2] * x[2];
+    y[1] = A[1][0] * x[0] + A[1][1] * x[1] + A[1][2] * x[2];
+    y[2] = A[2][0] * x[0] + A[2][1] * x[1] + A[2][2] * x[2];
+}
+
+inline void pel_mat3_tvec(const double A[3][3], const double x[3], double y[3])
+{
+    y[0] = A[0][0] * x[0] + A[1][0] * x[1] + A[2][0] * x[2];
+    y[1] = A[0][1] * x[0] + A[1][1] * x[1] + A[2][1] * x[2];
+    y[2] = A[0][2] * x[0] + A[1][2] * x[1] + A[2][2] * x[2];
+}
+#endif
 
 #ifdef __cplusplus
 }

@@ -2,19 +2,12 @@
 #include "pelorus/filter.h"
 #include "pelorus/math.h"
 
-static void add_noise(pel_ud_t *ud, int i, pel_real q)
-{
-    pel_real unit[PEL_MAX_STATES] = {PEL_R(0.0)};
-    unit[i] = PEL_R(1.0);
-    pel_ud_rank_one(ud, i + 1, unit, q);
-}
-
 /* Each satellite's path walks by itself, that of the reference moves all offsets together. */
 static void walk(pel_ud_t *ud, int first, int n, pel_real q)
 {
     pel_real common[PEL_MAX_STATES] = {PEL_R(0.0)};
     for (int i = first; i < first + n; i++) {
-        add_noise(ud, i, q);
+        pel_ud_add_noise(ud, i, q);
         common[i] = PEL_R(1.0);
     }
     pel_ud_rank_one(ud, first + n, common, q);
@@ -31,7 +24,7 @@ pel_status_t pel_propagate_offsets(const pel_model_t *m, const pel_drift_model_t
     if (offset >= 0) {
         for (int k = 0; k < n && rate >= 0; k++) {
             (void)pel_ud_combine(ud, offset + k, rate + k, (pel_real)dt_s);
-            add_noise(ud, rate + k, (pel_real)(drift->rate_walk_mps_rts * drift->rate_walk_mps_rts * dt_s));
+            pel_ud_add_noise(ud, rate + k, (pel_real)(drift->rate_walk_mps_rts * drift->rate_walk_mps_rts * dt_s));
         }
         walk(ud, offset, n, (pel_real)(drift->path_m_rts * drift->path_m_rts * dt_s));
     }

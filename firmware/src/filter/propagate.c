@@ -8,10 +8,8 @@
 static void restart(pel_propagator_t *p, const double C_b_e[3][3])
 {
     p->dt_s = 0.0;
-    for (int i = 0; i < 3; i++) {
-        p->dv_f_e[i] = 0.0;
-        for (int j = 0; j < 3; j++) { p->C_start[i][j] = C_b_e[i][j]; }
-    }
+    for (int i = 0; i < 3; i++) { p->dv_f_e[i] = 0.0; }
+    pel_mat3_copy(C_b_e, p->C_start);
 }
 
 void pel_propagator_init(pel_propagator_t *p, const double C_b_e[3][3])
@@ -117,11 +115,7 @@ pel_status_t pel_propagate_gnss(const pel_model_t *m, const double r_e[3], doubl
     for (int i = 0; i < 3; i++) { t.q[v + i] *= PEL_R(0.5); }
     for (int k = 0; k < steps; k++) {
         /* noise half before and half after the step: its share of position is then right to second order */
-        for (int i = 0; i < 3; i++) {
-            pel_real unit[PEL_MAX_STATES] = {PEL_R(0.0)};
-            unit[v + i] = PEL_R(1.0);
-            pel_ud_rank_one(ud, v + i + 1, unit, t.q[v + i]);
-        }
+        for (int i = 0; i < 3; i++) { pel_ud_add_noise(ud, v + i, t.q[v + i]); }
         const pel_status_t status = pel_ud_time_update(ud, &t);
         if (status != PEL_OK) { return status; }
     }

@@ -250,6 +250,13 @@ void pel_ud_rank_one(pel_ud_t *ud, int k, pel_real c[], pel_real q)
     }
 }
 
+void pel_ud_add_noise(pel_ud_t *ud, int i, pel_real q)
+{
+    pel_real unit[PEL_MAX_STATES] = {PEL_R(0.0)};
+    unit[i] = PEL_R(1.0);
+    pel_ud_rank_one(ud, i + 1, unit, q);
+}
+
 pel_status_t pel_ud_decay(pel_ud_t *ud, const pel_real decay[], const pel_real q[])
 {
     const int n = ud->n;
@@ -264,11 +271,7 @@ pel_status_t pel_ud_decay(pel_ud_t *ud, const pel_real decay[], const pel_real q
         ud->x[j] += ud->x[j] * dj;
     }
     for (int k = 0; k < n; k++) {
-        if (q[k] > PEL_R(0.0)) {
-            pel_real unit[PEL_MAX_STATES] = {PEL_R(0.0)};
-            unit[k] = PEL_R(1.0);
-            pel_ud_rank_one(ud, k + 1, unit, q[k]);
-        }
+        if (q[k] > PEL_R(0.0)) { pel_ud_add_noise(ud, k, q[k]); }
     }
     return PEL_OK;
 }

@@ -50,19 +50,8 @@ static void fall(const place_t *p, const double w_c[3], const double v[3], doubl
 static void turn_attitude(double C[3][3], const double turn[3], const double phi[3])
 {
     const double back[3] = {-turn[0], -turn[1], -turn[2]};
-    double R_n[3][3];
-    double R_b[3][3];
-    double CR[3][3];
-    pel_rotvec_to_dcm(back, R_n);
-    pel_rotvec_to_dcm(phi, R_b);
-    pel_mat3_mul(C, R_b, CR);
-    pel_mat3_mul(R_n, CR, C);
-}
-
-static double wrap_once(double lon)
-{
-    if (lon > PEL_PI) { return lon - 2.0 * PEL_PI; }
-    return (lon <= -PEL_PI) ? lon + 2.0 * PEL_PI : lon;
+    pel_dcm_turn_from(C, phi);
+    pel_dcm_turn_to(C, back);
 }
 
 static bool inside(double lat)
@@ -112,7 +101,7 @@ pel_status_t pel_strapdown_enu_step(pel_strapdown_enu_t *s, pel_coning_t *c, con
     change_velocity(&mid, f, dt_s, next.v_eb_enu, coning.dv_f_e, w_in);
     const double half = 0.5 * dt_s;
     next.lat += half * (s->v_eb_enu[1] + next.v_eb_enu[1]) / mid.M;
-    next.lon = wrap_once(s->lon + half * (s->v_eb_enu[0] + next.v_eb_enu[0]) / (mid.N * mid.cos_lat));
+    next.lon = pel_wrap_pi(s->lon + half * (s->v_eb_enu[0] + next.v_eb_enu[0]) / (mid.N * mid.cos_lat));
     next.h += half * (s->v_eb_enu[2] + next.v_eb_enu[2]);
     if (!inside(next.lat) || !pel_isfinite(next.lon) || !pel_isfinite(next.h)) { return PEL_E_RANGE; }
 

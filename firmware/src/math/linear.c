@@ -1,5 +1,14 @@
 /* linear.c - 3-vectors, 3x3 matrices, rotations. */
+#define PEL_MATH_BODIES
 #include "pelorus/math.h"
+
+/* For callers that do not inline them. */
+extern double pel_min(double a, double b);
+extern double pel_max(double a, double b);
+extern double pel_dot3(const double a[3], const double b[3]);
+extern void pel_cross3(const double a[3], const double b[3], double out[3]);
+extern void pel_mat3_vec(const double A[3][3], const double x[3], double y[3]);
+extern void pel_mat3_tvec(const double A[3][3], const double x[3], double y[3]);
 
 double pel_norm3(const double a[3])
 {
@@ -96,6 +105,22 @@ void pel_rotvec_to_dcm(const double v[3], double C[3][3])
     C[2][0] = bx * v[2] - a * v[1];
     C[1][2] = by * v[2] - a * v[0];
     C[2][1] = by * v[2] + a * v[0];
+}
+
+void pel_dcm_turn_from(double C[3][3], const double v[3])
+{
+    double R[3][3], turned[3][3];
+    pel_rotvec_to_dcm(v, R);
+    pel_mat3_mul(C, R, turned);
+    pel_mat3_copy(turned, C);
+}
+
+void pel_dcm_turn_to(double C[3][3], const double v[3])
+{
+    double R[3][3], turned[3][3];
+    pel_rotvec_to_dcm(v, R);
+    pel_mat3_mul(R, C, turned);
+    pel_mat3_copy(turned, C);
 }
 
 void pel_dcm_to_rotvec(const double C[3][3], double v[3])

@@ -41,10 +41,8 @@ void pel_nav_doubt_motion(pel_navigator_t *nav, double turn, double push)
     const int i_psi = pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE);
     const int i_v = pel_model_index(&nav->model, PEL_BLOCK_VELOCITY);
     for (int k = 0; k < 3; k++) {
-        pel_real c[PEL_MAX_STATES] = {0}, d[PEL_MAX_STATES] = {0};
-        c[i_psi + k] = d[i_v + k] = PEL_R(1.0);
-        pel_ud_rank_one(&nav->ud, i_psi + k + 1, c, (pel_real)turn);
-        pel_ud_rank_one(&nav->ud, i_v + k + 1, d, (pel_real)push);
+        pel_ud_add_noise(&nav->ud, i_psi + k, (pel_real)turn);
+        pel_ud_add_noise(&nav->ud, i_v + k, (pel_real)push);
     }
 }
 
@@ -64,6 +62,18 @@ static int stuck_for(pel_admit_t *a, const pel_imu_t *imu)
     }
     if (a->learnt < LEARN_SAMPLES) { a->learnt++; }
     return stuck;
+}
+
+/* Squared changes of rate and specific force from one increment to the next. */
+static void squared_changes(const pel_imu_t *from, const pel_imu_t *to, double *dw2, double *df2)
+{
+    *dw2 = *df2 = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double dw = to->alpha_ib_b[k] / to->dt_s - from->alpha_ib_b[k] / from->dt_s;
+        const double df = to->upsilon_ib_b[k] / to->dt_s - from->upsilon_ib_b[k] / from->dt_s;
+        *dw2 += dw * dw;
+        *df2 += df * df;
+    }
 }
 
 /* Is this change beyond what was lately usual? */
@@ -89,13 +99,8 @@ bool pel_nav_doubt_of(const pel_navigator_t *nav, int i, double part_s, double *
     const bool bridge = (it->flags & PEL_NAV_IMU_BRIDGE) != 0;
     const double span_s = bridge ? pel_max(it->dt_s - before->dt_s, 0.5 * it->dt_s) : it->dt_s;
     const double unseen_s = bridge ? pel_max(0.0, span_s - BLINK_S) : 0.0;
-    double dw2 = 0.0, df2 = 0.0;
-    for (int k = 0; k < 3; k++) {
-        const double dw = it->alpha_ib_b[k] / it->dt_s - before->alpha_ib_b[k] / before->dt_s;
-        const double df = it->upsilon_ib_b[k] / it->dt_s - before->upsilon_ib_b[k] / before->dt_s;
-        dw2 += dw * dw;
-        df2 += df * df;
-    }
+    double dw2, df2;
+    squared_changes(before, it, &dw2, &df2);
     const double share = part_s / it->dt_s; /* an epoch may cut it */
     *turn = share * (dw2 * span_s * span_s + SWERVE_RPS * SWERVE_RPS * unseen_s * unseen_s);
     *push = share * (df2 * span_s * span_s + SWERVE_MPS2 * SWERVE_MPS2 * unseen_s * unseen_s);
@@ -121,13 +126,8 @@ bool pel_nav_admit_imu(pel_navigator_t *nav, const pel_imu_t *imu, bool *jolt)
     const pel_imu_t *last = &a->last;
     if (last->dt_s > 0.0) {
         a->stuck = is_stuck(nav, imu);
-        double dw2 = 0.0, df2 = 0.0;
-        for (int k = 0; k < 3; k++) {
-            const double dw = imu->alpha_ib_b[k] / imu->dt_s - last->alpha_ib_b[k] / last->dt_s;
-            const double df = imu->upsilon_ib_b[k] / imu->dt_s - last->upsilon_ib_b[k] / last->dt_s;
-            dw2 += dw * dw;
-            df2 += df * df;
-        }
+        double dw2, df2;
+        squared_changes(last, imu, &dw2, &df2);
         const bool spike = dw2 > SPIKE_RADPS * SPIKE_RADPS || df2 > SPIKE_MPS2 * SPIKE_MPS2;
         if (a->stuck || (spike && a->spikes < MOST_SPIKES)) {
             a->spikes = (uint8_t)(a->spikes + (spike ? 1 : 0));

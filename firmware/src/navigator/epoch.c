@@ -46,11 +46,7 @@ static void allow_for_ionosphere(pel_navigator_t *nav)
 
 static void add_noise(pel_navigator_t *nav, int first, double var)
 {
-    for (int k = 0; k < 3; k++) {
-        pel_real c[PEL_MAX_STATES] = {0};
-        c[first + k] = PEL_R(1.0);
-        pel_ud_rank_one(&nav->ud, first + k + 1, c, (pel_real)var);
-    }
+    for (int k = 0; k < 3; k++) { pel_ud_add_noise(&nav->ud, first + k, (pel_real)var); }
 }
 
 /* Double differences carry no ionosphere model, as everywhere in RTK: over kilometres the broadcast one is no better than none,
@@ -243,7 +239,7 @@ static void finish(pel_navigator_t *nav, update_t *u)
     pel_nav_try_start_ins(nav);
     pel_nav_warm_epoch(nav);
     nav->epoch_before_ns = nav->at_horizon.t_ns;
-    for (int k = 0; k < 3; k++) { nav->v_before_e[k] = nav->at_horizon.v_eb_e[k]; }
+    memcpy(nav->v_before_e, nav->at_horizon.v_eb_e, sizeof nav->v_before_e);
     pel_nav_fill_solution(nav, &nav->at_horizon, out);
     out->flags |= PEL_SOL_AT_EPOCH;
     nav->ready |= PEL_NAV_BIT(PEL_NAV_EPOCH);

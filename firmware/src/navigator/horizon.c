@@ -1,4 +1,6 @@
 /* horizon.c - the nominal state and its covariance through time: to the next epoch, and on to now. */
+#include <string.h>
+
 #include "internal.h"
 
 #include "pelorus/earth.h"
@@ -130,19 +132,15 @@ void pel_nav_close_loop(pel_navigator_t *nav)
         const int i_bg = pel_model_index(&nav->model, PEL_BLOCK_GYRO_CONSTANT);
         const int i_gm = pel_model_index(&nav->model, PEL_BLOCK_GYRO_MARKOV);
         const int i_am = pel_model_index(&nav->model, PEL_BLOCK_ACCEL_MARKOV);
-        double minus_psi[3], turn[3][3], C[3][3];
+        double minus_psi[3];
         for (int k = 0; k < 3; k++) {
             minus_psi[k] = -(double)x[i_psi + k];
             nav->errors.gyro_constant[k] += (double)x[i_bg + k];
             nav->errors.gyro_markov[k] += (double)x[i_gm + k];
             nav->errors.accel_markov[k] += (double)x[i_am + k];
         }
-        pel_rotvec_to_dcm(minus_psi, turn);
-        pel_mat3_mul(turn, s->C_b_e, C);
-        pel_dcm_orthonormalise(C);
-        for (int i = 0; i < 3; i++) {
-            for (int j = 0; j < 3; j++) { s->C_b_e[i][j] = C[i][j]; }
-        }
+        pel_dcm_turn_to(s->C_b_e, minus_psi);
+        pel_dcm_orthonormalise(s->C_b_e);
     }
     pel_nav_track_close_loop(nav);
     for (int i = 0; i < nav->ud.n; i++) { x[i] = 0; }
@@ -224,7 +222,7 @@ void pel_nav_antenna(const pel_navigator_t *nav, pel_antenna_t *ant, double r_ea
         double omega_ib_e[3], omega_eb_e[3];
         pel_mat3_vec(s->C_b_e, nav->omega_ib_b, omega_ib_e);
         pel_mat3_vec(s->C_b_e, nav->cfg.lever_ba_b, ant->lever_e);
-        for (int k = 0; k < 3; k++) { omega_eb_e[k] = omega_ib_e[k]; }
+        memcpy(omega_eb_e, omega_ib_e, sizeof omega_eb_e);
         omega_eb_e[2] -= PEL_OMEGA_IE;
         pel_cross3(omega_eb_e, ant->lever_e, ant->lever_rate_e);
     }

@@ -48,6 +48,10 @@ void pel_nav_reset_alignment(pel_navigator_t *nav);
 /* One increment while the INS does not run. */
 void pel_nav_align_increment(pel_navigator_t *nav, const pel_imu_t *body);
 
+/* Mean specific force and angular rate over at most the last longest_s before t. Returns what the ring holds of it, s. */
+double pel_nav_ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double longest_s, double f_ib_b[3],
+                         double omega_ib_b[3]);
+
 /* Begin the INS at the horizon if an IMU is there and an attitude can be had. */
 void pel_nav_try_start_ins(pel_navigator_t *nav);
 
@@ -279,6 +283,9 @@ typedef struct {
 void pel_nav_predicted_cov(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_nav_cov_t *P);
 
 /* ---- output.c ---- */
+
+/* Upper triangle by rows. */
+void pel_nav_pack_symmetric(const double P[3][3], float out[6]);
 
 void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at, pel_solution_t *out);
 void pel_nav_note_seen(pel_navigator_t *nav, const pel_epoch_t *rover, const pel_epoch_t *base);

@@ -9,7 +9,7 @@
 /* Errors beyond the protection level once in 10^7, if the filter's model holds (two-sided normal). */
 #define PROTECTION_SIGMAS 5.33
 
-static void pack_symmetric(const double P[3][3], float out[6])
+void pel_nav_pack_symmetric(const double P[3][3], float out[6])
 {
     int n = 0;
     for (int i = 0; i < 3; i++) {
@@ -32,7 +32,7 @@ static void fill_attitude(const pel_strapdown_t *at, const double C_e_n[3][3], c
     double roll, pitch, heading, P_n[3][3];
     pel_attitude_from_C_b_e(at->C_b_e, out->lat_rad, out->lon_rad, &roll, &pitch, &heading);
     pel_mat3_congruence(C_e_n, P_psi_e, P_n);
-    pack_symmetric(P_n, out->cov_att);
+    pel_nav_pack_symmetric(P_n, out->cov_att);
     out->roll_rad = (float)roll;
     out->pitch_rad = (float)pitch;
     out->heading_rad = (float)((heading < 0.0) ? heading + 2.0 * PEL_PI : heading);
@@ -89,9 +89,9 @@ void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at
     for (int k = 0; k < 3; k++) { out->v_ned[k] = (float)v_n[k]; }
     pel_nav_predicted_cov(nav, at, &P);
     pel_mat3_congruence(C_e_n, P.v, P_n);
-    pack_symmetric(P_n, out->cov_v_ned);
+    pel_nav_pack_symmetric(P_n, out->cov_v_ned);
     pel_mat3_congruence(C_e_n, P.r, P_n);
-    pack_symmetric(P_n, out->cov_r_ned);
+    pel_nav_pack_symmetric(P_n, out->cov_r_ned);
     fill_protection(P_n, out);
     if (nav->ins) {
         fill_attitude(at, C_e_n, P.psi, out);

@@ -184,14 +184,6 @@ static bool is_worth_keeping(const pel_navigator_t *nav)
     return pel_ud_check(&nav->ud) == PEL_OK && pel_nav_along(P, up) < HEADING_SD_MAX * HEADING_SD_MAX;
 }
 
-static void pack(const double P[3][3], float out[6])
-{
-    int n = 0;
-    for (int i = 0; i < 3; i++) {
-        for (int j = i; j < 3; j++) { out[n++] = (float)P[i][j]; }
-    }
-}
-
 static void take(const pel_navigator_t *nav, pel_snapshot_t *s)
 {
     pel_antenna_t ant;
@@ -203,9 +195,9 @@ static void take(const pel_navigator_t *nav, pel_snapshot_t *s)
     if (is_still(nav)) { s->still_s = (float)pel_time_diff_s(s->t_ns, nav->warm.still_since_ns); }
     pel_nav_antenna(nav, &ant, s->r_ea_e, v_ea_e);
     pel_nav_antenna_cov(nav, &ant, false, P);
-    pack(P, s->cov_r_e);
+    pel_nav_pack_symmetric(P, s->cov_r_e);
     pel_ud_block3(&nav->ud, ant.i_psi, ant.i_psi, P);
-    pack(P, s->cov_psi_e);
+    pel_nav_pack_symmetric(P, s->cov_psi_e);
     memcpy(s->v_eb_e, nav->at_horizon.v_eb_e, sizeof s->v_eb_e);
     pel_dcm_to_rotvec(nav->at_horizon.C_b_e, s->theta_b_e);
     const pel_block_t blocks[3] = {PEL_BLOCK_GYRO_CONSTANT, PEL_BLOCK_GYRO_MARKOV, PEL_BLOCK_ACCEL_MARKOV};

@@ -45,17 +45,7 @@ void pel_nav_align_increment(pel_navigator_t *nav, const pel_imu_t *body)
             for (int j = 0; j < 3; j++) { nav->C_rel[i][j] = (i == j) ? 1.0 : 0.0; }
         }
     }
-    double turn[3][3], C[3][3];
-    pel_rotvec_to_dcm(body->alpha_ib_b, turn);
-    pel_mat3_mul(nav->C_rel, turn, C);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) { nav->C_rel[i][j] = C[i][j]; }
-    }
-}
-
-static void copy3(const double from[3], double to[3])
-{
-    for (int k = 0; k < 3; k++) { to[k] = from[k]; }
+    pel_dcm_turn_from(nav->C_rel, body->alpha_ib_b);
 }
 
 /* ---- GNSS alone ----------------------------------------------------------------------------------------------------- */
@@ -67,7 +57,7 @@ void pel_nav_start_gnss(pel_navigator_t *nav, const pel_spp_t *spp)
     nav->ins = false;
     nav->have_state = true;
     nav->at_horizon.t_ns = spp->t_ns;
-    copy3(spp->r_ea_e, nav->at_horizon.r_eb_e);
+    memcpy(nav->at_horizon.r_eb_e, spp->r_ea_e, sizeof spp->r_ea_e);
     pel_real sd[PEL_MAX_STATES];
     for (int k = 0; k < 3; k++) {
         nav->at_horizon.v_eb_e[k] = spp->has_velocity ? spp->v_ea_e[k] : 0.0;
@@ -102,28 +92,23 @@ static void carry_given_attitude(const pel_navigator_t *nav, pel_time_t t_ns, do
     const pel_nav_config_t *cfg = &nav->cfg;
     pel_align_from_attitude(cfg->roll_rad, cfg->pitch_rad, cfg->heading_rad, cfg->sd_tilt_rad, cfg->sd_heading_rad, lat,
                             lon, out);
-    double C_rel[3][3], back[3][3], C[3][3];
-    for (int i = 0; i < 3; i++) { copy3(nav->C_rel[i], C_rel[i]); }
+    double C_rel[3][3], C[3][3];
+    pel_mat3_copy(nav->C_rel, C_rel);
     pel_imu_t part, rest;
     for (int i = nav->ring.n - 1; i >= 0 && pel_imu_ring_at(&nav->ring, i)->t_ns > t_ns; i--) {
         part = *pel_imu_ring_at(&nav->ring, i);
         (void)pel_imu_split(&part, t_ns, &rest, &part);
         const double undo[3] = {-part.alpha_ib_b[0], -part.alpha_ib_b[1], -part.alpha_ib_b[2]};
-        pel_rotvec_to_dcm(undo, back);
-        pel_mat3_mul(C_rel, back, C);
-        for (int k = 0; k < 3; k++) { copy3(C[k], C_rel[k]); }
+        pel_dcm_turn_from(C_rel, undo);
     }
     const double earth_turn[3] = {0.0, 0.0, -PEL_OMEGA_IE * pel_time_diff_s(t_ns, nav->first_imu_ns)};
-    double turn[3][3], now[3][3];
     pel_mat3_mul(out->C_b_e, C_rel, C);
-    pel_rotvec_to_dcm(earth_turn, turn);
-    pel_mat3_mul(turn, C, now);
-    for (int k = 0; k < 3; k++) { copy3(now[k], out->C_b_e[k]); }
+    pel_dcm_turn_to(C, earth_turn);
+    pel_mat3_copy(C, out->C_b_e);
 }
 
-/* Mean specific force and angular rate over at most the last longest_s before t. Returns what the ring holds of it, s. */
-static double ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double longest_s, double f_ib_b[3],
-                        double omega_ib_b[3])
+double pel_nav_ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double longest_s, double f_ib_b[3],
+                         double omega_ib_b[3])
 {
     double span_s = 0.0;
     for (int k = 0; k < 3; k++) { f_ib_b[k] = omega_ib_b[k] = 0.0; }
@@ -152,7 +137,7 @@ static bool align_moving(const pel_navigator_t *nav, double lat, double lon, dou
     const double speed = pel_sqrt(v_enu[0] * v_enu[0] + v_enu[1] * v_enu[1]);
     const double dt_s = pel_time_diff_s(s->t_ns, nav->epoch_before_ns);
     if (speed < nav->cfg.align_speed_mps) { return false; }
-    if (ring_mean(nav, s->t_ns, LEVEL_SPAN_S, f_ib_b, omega_ib_b) < 0.25 * LEVEL_SPAN_S) { return false; }
+    if (pel_nav_ring_mean(nav, s->t_ns, LEVEL_SPAN_S, f_ib_b, omega_ib_b) < 0.25 * LEVEL_SPAN_S) { return false; }
     for (int k = 0; k < 3; k++) { dv_e[k] = (s->v_eb_e[k] - nav->v_before_e[k]) / pel_max(dt_s, 0.05); }
     pel_mat3_vec(C_e_enu, dv_e, a_enu);
     const bool have_a = nav->epoch_before_ns != 0 && dt_s < 1.5;
@@ -221,7 +206,7 @@ static pel_status_t antenna_to_imu(pel_navigator_t *nav)
     pel_antenna_t ant;
     pel_transition_t t;
     double f_ib_b[3], r_e[3], v_e[3];
-    (void)ring_mean(nav, nav->at_horizon.t_ns, RATE_SPAN_S, f_ib_b, nav->omega_ib_b);
+    (void)pel_nav_ring_mean(nav, nav->at_horizon.t_ns, RATE_SPAN_S, f_ib_b, nav->omega_ib_b);
     for (int k = 0; k < 3; k++) { nav->omega_ib_b[k] -= nav->errors.gyro_constant[k]; }
     pel_nav_antenna(nav, &ant, r_e, v_e);
     for (int k = 0; k < 3; k++) {
@@ -235,7 +220,7 @@ static pel_status_t antenna_to_imu(pel_navigator_t *nav)
     return pel_ud_time_update(&nav->ud, &t);
 }
 
-static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
+static pel_status_t begin_filter(pel_navigator_t *nav, const pel_alignment_t *attitude)
 {
     pel_antenna_t ant;
     double P_r[3][3], P_v[3][3], r_e[3], v_e[3];
@@ -261,9 +246,15 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
     if (status == PEL_OK) {
         status = pel_ud_set_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_POSITION), P_r);
     }
+    return status;
+}
+
+static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
+{
+    pel_status_t status = begin_filter(nav, attitude);
     nav->ins = true;
     nav->attitude_given = false; /* that of the first increment: good for one start */
-    for (int i = 0; i < 3; i++) { copy3(attitude->C_b_e[i], nav->at_horizon.C_b_e[i]); }
+    pel_mat3_copy(attitude->C_b_e, nav->at_horizon.C_b_e);
     if (status == PEL_OK) { status = antenna_to_imu(nav); }
     if (status != PEL_OK) {
         nav->counters.numeric_faults++;

@@ -58,26 +58,6 @@ static void age_errors(const pel_navigator_t *nav, double age_s, double error[9]
     }
 }
 
-/* Mean specific force and rate over the last second before the horizon. */
-static double mean_of_ring(const pel_navigator_t *nav, double f[3], double omega[3])
-{
-    double span_s = 0.0;
-    for (int k = 0; k < 3; k++) { f[k] = omega[k] = 0.0; }
-    for (int i = pel_imu_ring_after(&nav->ring, nav->at_horizon.t_ns) - 1; i >= 0 && span_s < SPAN_S; i--) {
-        const pel_imu_t *imu = pel_imu_ring_at(&nav->ring, i);
-        span_s += imu->dt_s;
-        for (int k = 0; k < 3; k++) {
-            f[k] += imu->upsilon_ib_b[k];
-            omega[k] += imu->alpha_ib_b[k];
-        }
-    }
-    for (int k = 0; k < 3 && span_s > 0.0; k++) {
-        f[k] /= span_s;
-        omega[k] /= span_s;
-    }
-    return span_s;
-}
-
 static bool has_moved(const pel_navigator_t *nav)
 {
     const pel_snapshot_t *s = &nav->warm.kept;
@@ -98,7 +78,7 @@ static bool has_turned(const pel_navigator_t *nav, const double C_b_e[3][3], dou
 {
     double f[3], omega[3], error[9], var[9], g_e[3], f_then[3], omega_then[3], P[3][3], across[3];
     const double omega_ie_e[3] = {0.0, 0.0, PEL_OMEGA_IE};
-    const double span_s = mean_of_ring(nav, f, omega);
+    const double span_s = pel_nav_ring_mean(nav, nav->at_horizon.t_ns, SPAN_S, f, omega);
     age_errors(nav, age_s, error, var);
     unpack(nav->warm.kept.cov_psi_e, P);
     pel_earth_gravity_e(nav->at_horizon.r_eb_e, g_e);
@@ -146,10 +126,8 @@ bool pel_nav_warm_attitude(pel_navigator_t *nav, pel_alignment_t *out)
     nav->ready |= PEL_NAV_BIT(PEL_NAV_WARM);
     if (verdict != PEL_SNAP_USED) { return false; }
     unpack(w->kept.cov_psi_e, out->cov_psi_e);
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) { out->C_b_e[i][j] = C_b_e[i][j]; }
-        out->cov_psi_e[i][i] += SETTLE_RAD * SETTLE_RAD;
-    }
+    pel_mat3_copy(C_b_e, out->C_b_e);
+    for (int i = 0; i < 3; i++) { out->cov_psi_e[i][i] += SETTLE_RAD * SETTLE_RAD; }
     (void)pel_unit3(nav->at_horizon.r_eb_e, up);
     const double var_heading = pel_nav_along(out->cov_psi_e, up);
     const double var_level = out->cov_psi_e[0][0] + out->cov_psi_e[1][1] + out->cov_psi_e[2][2] - var_heading;

@@ -23,11 +23,6 @@
 #define SD_MAX_RAD      (12.0 * PEL_DEG)
 #define SD_FLOOR_RAD    (4.0 * PEL_DEG)
 
-static void set3x3(double from[3][3], double to[3][3])
-{
-    memcpy(to, from, 9 * sizeof to[0][0]);
-}
-
 /* z of l along the specific force; y of l along the horizontal part of the body's y (or x) axis. */
 static void level(pel_yaw_t *y)
 {
@@ -59,34 +54,30 @@ void pel_nav_yaw_increment(pel_yaw_t *y, const pel_imu_t *body)
         if (y->span_s >= LEVEL_AFTER_S && y->calm) { level(y); }
         return;
     }
-    double turn[3][3], C[3][3], dv_l[3];
-    pel_rotvec_to_dcm(body->alpha_ib_b, turn);
-    pel_mat3_mul(y->C_b_l, turn, C);
-    pel_mat3_vec(C, body->upsilon_ib_b, dv_l);
+    double dv_l[3];
+    pel_dcm_turn_from(y->C_b_l, body->alpha_ib_b);
+    pel_mat3_vec(y->C_b_l, body->upsilon_ib_b, dv_l);
     for (int k = 0; k < 3; k++) { y->dv[k] += dv_l[k]; }
     const double pull = y->calm ? 1.0 / (LEVEL_TAU_S * 9.8) : 0.0;
     y->leaning_s = y->calm ? 0.0 : y->leaning_s + body->dt_s;
     const double back[3] = {dv_l[1] * pull, -dv_l[0] * pull, 0.0}; /* f_l x z */
-    pel_rotvec_to_dcm(back, turn);
-    pel_mat3_mul(turn, C, y->C_b_l);
+    pel_dcm_turn_to(y->C_b_l, back);
     pel_dcm_orthonormalise(y->C_b_l);
 }
 
 /* Levelled attitude and velocity change at t, which lies a little behind the newest increment. */
 static void rewind_to(const pel_navigator_t *nav, pel_time_t t_ns, double C_b_l[3][3], double dv[3])
 {
-    double back[3][3], C[3][3], dv_l[3];
+    double dv_l[3];
     pel_imu_t part, before;
-    memcpy(C_b_l, nav->yaw.C_b_l, sizeof nav->yaw.C_b_l);
+    pel_mat3_copy(nav->yaw.C_b_l, C_b_l);
     memcpy(dv, nav->yaw.dv, sizeof nav->yaw.dv);
     for (int i = nav->ring.n - 1; i >= 0 && pel_imu_ring_at(&nav->ring, i)->t_ns > t_ns; i--) {
         part = *pel_imu_ring_at(&nav->ring, i);
         (void)pel_imu_split(&part, t_ns, &before, &part);
         pel_mat3_vec(C_b_l, part.upsilon_ib_b, dv_l);
         const double undo[3] = {-part.alpha_ib_b[0], -part.alpha_ib_b[1], -part.alpha_ib_b[2]};
-        pel_rotvec_to_dcm(undo, back);
-        pel_mat3_mul(C_b_l, back, C);
-        set3x3(C, C_b_l);
+        pel_dcm_turn_from(C_b_l, undo);
         for (int k = 0; k < 3; k++) { dv[k] -= dv_l[k]; }
     }
 }
@@ -153,10 +144,9 @@ bool pel_nav_yaw_solve(const pel_navigator_t *nav, double C_b_enu[3][3], double 
     if (r < CORRELATION_MIN) { return false; }
     *sd_rad = pel_sqrt((1.0 - r * r) / (r * r * 2.0 * (y->n - 2.0)) + SD_FLOOR_RAD * SD_FLOOR_RAD);
     if (*sd_rad > SD_MAX_RAD) { return false; }
-    double C_b_l[3][3], dv[3], turn[3][3];
+    double dv[3];
     const double about_up[3] = {0.0, 0.0, pel_atan2(cross, dot)};
-    rewind_to(nav, nav->at_horizon.t_ns, C_b_l, dv);
-    pel_rotvec_to_dcm(about_up, turn);
-    pel_mat3_mul(turn, C_b_l, C_b_enu);
+    rewind_to(nav, nav->at_horizon.t_ns, C_b_enu, dv);
+    pel_dcm_turn_to(C_b_enu, about_up);
     return true;
 }
