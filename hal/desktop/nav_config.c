@@ -43,9 +43,9 @@ static void read_preset(config_file_t *c, pel_nav_config_t *cfg)
     static const struct {
         const char *name;
         pel_preset_t preset;
-    } NAMES[] = {{"auto", PEL_PRESET_AUTO}, {"single", PEL_PRESET_SINGLE},         {"rtk", PEL_PRESET_RTK},
-                 {"gnss", PEL_PRESET_RTK},  {"ins-single", PEL_PRESET_INS_SINGLE}, {"ins-rtk", PEL_PRESET_INS_RTK},
-                 {"s5", PEL_PRESET_INS_RTK}};
+    } NAMES[] = {{"auto", PEL_PRESET_AUTO},  {"single", PEL_PRESET_SINGLE},         {"rtk", PEL_PRESET_RTK},
+                 {"gnss", PEL_PRESET_RTK},   {"ins-single", PEL_PRESET_INS_SINGLE}, {"ins-rtk", PEL_PRESET_INS_RTK},
+                 {"s5", PEL_PRESET_INS_RTK}, {"ins-float", PEL_PRESET_INS_FLOAT},   {"s2", PEL_PRESET_INS_FLOAT}};
     const char *name = config_file_string(c, "navigator.preset", "auto");
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         if (strcmp(name, NAMES[i].name) == 0) {
@@ -53,7 +53,7 @@ static void read_preset(config_file_t *c, pel_nav_config_t *cfg)
             return;
         }
     }
-    config_file_complain(c, "navigator.preset", "is one of auto, single, rtk, ins-single, ins-rtk");
+    config_file_complain(c, "navigator.preset", "is one of auto, single, rtk, ins-single, ins-rtk, ins-float");
 }
 
 static void read_general(config_file_t *c, pel_nav_config_t *cfg)
@@ -190,6 +190,7 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     cfg->single_code_tau_s = within(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s, 0.0, 1e5);
     cfg->code_tau_s = within(c, "navigator.gnss.code_tau_s", cfg->code_tau_s, 0.0, 1e5);
     cfg->phase_tau_s = within(c, "navigator.gnss.phase_tau_s", cfg->phase_tau_s, 0.0, 1e5);
+    cfg->float_code = config_file_bool(c, "navigator.gnss.float_code", cfg->float_code);
     cfg->learn_noise = config_file_bool(c, "navigator.gnss.learn_noise", cfg->learn_noise);
     cfg->noise.cn0_ref_dbhz = config_file_number(c, "navigator.gnss.cn0_ref_dbhz", cfg->noise.cn0_ref_dbhz);
     cfg->noise_single.cn0_ref_dbhz = cfg->noise.cn0_ref_dbhz;

@@ -31,7 +31,8 @@ typedef enum {
     PEL_PRESET_RTK = 2,        /* GNSS alone, rover against base: DD code, phase, Doppler */
     PEL_PRESET_INS_SINGLE = 3, /* 18-state INS with one receiver's code and Doppler */
     PEL_PRESET_INS_RTK = 4,    /* 18-state INS with DD code, phase, Doppler: S5 */
-    PEL_N_PRESETS = 5
+    PEL_PRESET_INS_FLOAT = 5,  /* 18-state INS in local axes with DD phase, integers from its float ambiguities: S2 */
+    PEL_N_PRESETS = 6
 } pel_preset_t;
 
 typedef struct {
@@ -58,6 +59,7 @@ typedef struct {
     bool no_ionosphere;              /* apply no ionosphere model: simulations without one */
     double single_code_tau_s;        /* correlation time of a single receiver's code errors */
     double code_tau_s, phase_tau_s;  /* the same against a base: multipath. 0: white */
+    bool float_code;                 /* PEL_PRESET_INS_FLOAT: codes are used beside phases */
     bool learn_noise;                /* fit the variances of codes and phases to what they leave over */
     float base_max_age_s;
     float base_wait_s;   /* hold a rover epoch up to this long for its base epoch */
@@ -269,6 +271,7 @@ typedef struct pel_navigator_t {
 
     pel_imu_ring_t ring;
     bool ins;                   /* the 18-state filter runs; else GNSS alone */
+    bool local;                 /* and its attitude, velocity and position states are in local axes */
     bool have_state;            /* position and velocity are known */
     pel_strapdown_t at_horizon; /* r_eb_e is the antenna's without INS */
     pel_strapdown_t now;

@@ -49,6 +49,7 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->single_code_tau_s = 60.0;
     cfg->code_tau_s = 5.0;
     cfg->phase_tau_s = 10.0;
+    cfg->float_code = true;
     cfg->learn_noise = true;
     cfg->base_max_age_s = 10.0f;
     cfg->base_wait_s = 0.3f;

@@ -155,7 +155,9 @@ static void allow_for_coarse_attitude(pel_navigator_t *nav, const pel_antenna_t 
 {
     if (ant->i_psi < 0) { return; }
     double P[3][3], up[3];
-    pel_ud_block3(&nav->ud, ant->i_psi, ant->i_psi, P);
+    pel_nav_axes_t axes;
+    pel_nav_axes(nav, &axes);
+    pel_nav_block_e(nav, &axes, ant->i_psi, ant->i_psi, P);
     const double var = P[0][0] + P[1][1] + P[2][2];
     if (var < COARSE_RAD * COARSE_RAD) { return; }
     (void)pel_unit3(nav->at_horizon.r_eb_e, up);
@@ -305,7 +307,8 @@ void pel_nav_begin_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
     pel_nav_antenna_cov(nav, &u->ant, true, u->P_v);
     u->ints.reason = PEL_INT_NOT_TRIED;
     if (nav->relative) { pel_nav_track_wander(nav); }
-    if (nav->relative && nav->cfg.integers && pel_nav_resolve_begin(nav, u->P_r, &u->ints)) {
+    const bool each_epoch = nav->cfg.integers && pel_nav_preset(pel_nav_preset_in_use(nav))->each_epoch;
+    if (nav->relative && each_epoch && pel_nav_resolve_begin(nav, u->P_r, &u->ints)) {
         nav->search = PEL_NAV_SEARCH_EPOCH;
     } else {
         use_rows(nav);

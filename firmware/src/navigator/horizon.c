@@ -73,29 +73,66 @@ static bool is_whole_from(pel_navigator_t *nav, int first)
     return true;
 }
 
+/* One increment on the horizon's state and its covariance; the state in local axes where the filter is. */
+static pel_status_t step_horizon(pel_navigator_t *nav, const pel_imu_t *part, pel_strapdown_enu_t *enu)
+{
+    pel_strapdown_t *s = &nav->at_horizon;
+    pel_coning_t *c = &nav->coning_horizon;
+    pel_propagator_t *p = &nav->propagator;
+    if (!nav->local) {
+        step(nav, part, s, c);
+        return pel_propagator_add(p, &nav->model, c->dv_f_e, part->dt_s, s->C_b_e, s->r_eb_e, &nav->ud);
+    }
+    double b_g[3], b_a[3], alpha[3], upsilon[3];
+    sensor_errors(nav, b_g, b_a);
+    pel_imu_correct(part, b_g, b_a, alpha, upsilon);
+    const pel_status_t status = pel_strapdown_enu_step(enu, c, alpha, upsilon, part->dt_s, part->t_ns);
+    if (status < 0) { return status; }
+    s->t_ns = part->t_ns;
+    return pel_propagator_add_enu(p, &nav->model, c->dv_f_e, part->dt_s, enu, &nav->ud);
+}
+
+/* The horizon's state in the axes of the filter, before and after an advance. */
+static pel_status_t enter_axes(pel_navigator_t *nav, pel_strapdown_enu_t *enu)
+{
+    const pel_status_t status = pel_nav_choose_axes(nav);
+    if (status < 0 || !nav->local) { return status; }
+    const pel_status_t inside = pel_strapdown_to_enu(&nav->at_horizon, enu);
+    if (inside == PEL_OK) { pel_nav_restart_substep(nav, enu->C_b_enu); }
+    return inside;
+}
+
+static pel_status_t leave_axes(pel_navigator_t *nav, const pel_strapdown_enu_t *enu)
+{
+    pel_strapdown_t *s = &nav->at_horizon;
+    if (!nav->local) { return pel_propagator_flush(&nav->propagator, &nav->model, s->C_b_e, s->r_eb_e, &nav->ud); }
+    pel_strapdown_from_enu(enu, s);
+    return pel_propagator_flush_enu(&nav->propagator, &nav->model, enu, &nav->ud);
+}
+
 static pel_status_t advance_ins(pel_navigator_t *nav, pel_time_t t_ns)
 {
     pel_strapdown_t *s = &nav->at_horizon;
+    pel_strapdown_enu_t enu;
     const pel_imu_t *newest = pel_imu_ring_newest(&nav->ring);
     const pel_imu_t *oldest = pel_imu_ring_oldest(&nav->ring);
     if (newest == NULL || newest->t_ns < t_ns) { return PEL_E_MISSING; }
     if (pel_time_diff_s(oldest->t_ns, s->t_ns) > oldest->dt_s + 1e-6) { return PEL_E_MISSING; }
-    pel_status_t status = PEL_OK;
     pel_imu_t part;
     const pel_imu_t *imu;
     const int first = pel_imu_ring_after(&nav->ring, s->t_ns);
     if (!is_whole_from(nav, first)) { return PEL_E_RANGE; }
+    pel_status_t status = enter_axes(nav, &enu);
+    if (status < 0) { return status; }
     for (int i = first; (imu = clipped(nav, i, s->t_ns, t_ns, &part)) != NULL; i++) {
-        step(nav, imu, s, &nav->coning_horizon);
+        const pel_status_t added = step_horizon(nav, imu, &enu);
+        if (added < 0) { status = added; }
         smooth_omega(nav, imu);
         decay_markov(nav, imu->dt_s);
-        const pel_status_t added = pel_propagator_add(&nav->propagator, &nav->model, nav->coning_horizon.dv_f_e,
-                                                      imu->dt_s, s->C_b_e, s->r_eb_e, &nav->ud);
-        if (added < 0) { status = added; }
         double turn, push;
         if (pel_nav_doubt_of(nav, i, imu->dt_s, &turn, &push)) { pel_nav_doubt_motion(nav, turn, push); }
     }
-    const pel_status_t flushed = pel_propagator_flush(&nav->propagator, &nav->model, s->C_b_e, s->r_eb_e, &nav->ud);
+    const pel_status_t flushed = leave_axes(nav, &enu);
     s->t_ns = t_ns;
     return (flushed < 0) ? flushed : status;
 }
@@ -116,32 +153,68 @@ pel_status_t pel_nav_advance(pel_navigator_t *nav, pel_time_t t_ns)
     return nav->ins ? advance_ins(nav, t_ns) : advance_gnss(nav, t_ns);
 }
 
-void pel_nav_close_loop(pel_navigator_t *nav)
+/* C <- exp(-[psi x]) C */
+static void turn_back(const pel_real psi[3], double C_b[3][3])
+{
+    const double minus_psi[3] = {-(double)psi[0], -(double)psi[1], -(double)psi[2]};
+    pel_dcm_turn_to(C_b, minus_psi);
+    pel_dcm_orthonormalise(C_b);
+}
+
+/* x of position, velocity and (with INS) attitude out of the horizon's state. */
+static void correct_e(pel_navigator_t *nav, const pel_real *dr, const pel_real *dv, const pel_real *psi)
 {
     pel_strapdown_t *s = &nav->at_horizon;
-    pel_real *x = nav->ud.x;
-    const int i_v = pel_model_index(&nav->model, PEL_BLOCK_VELOCITY);
-    const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
     for (int k = 0; k < 3; k++) {
-        s->v_eb_e[k] -= (double)x[i_v + k];
-        s->r_eb_e[k] -= (double)x[i_r + k];
-        nav->corrected_e[k] -= (double)x[i_r + k];
+        s->v_eb_e[k] -= (double)dv[k];
+        s->r_eb_e[k] -= (double)dr[k];
+        nav->corrected_e[k] -= (double)dr[k];
     }
-    if (nav->ins) {
-        const int i_psi = pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE);
-        const int i_bg = pel_model_index(&nav->model, PEL_BLOCK_GYRO_CONSTANT);
-        const int i_gm = pel_model_index(&nav->model, PEL_BLOCK_GYRO_MARKOV);
-        const int i_am = pel_model_index(&nav->model, PEL_BLOCK_ACCEL_MARKOV);
-        double minus_psi[3];
-        for (int k = 0; k < 3; k++) {
-            minus_psi[k] = -(double)x[i_psi + k];
-            nav->errors.gyro_constant[k] += (double)x[i_bg + k];
-            nav->errors.gyro_markov[k] += (double)x[i_gm + k];
-            nav->errors.accel_markov[k] += (double)x[i_am + k];
-        }
-        pel_dcm_turn_to(s->C_b_e, minus_psi);
-        pel_dcm_orthonormalise(s->C_b_e);
+    if (psi != NULL) { turn_back(psi, s->C_b_e); }
+}
+
+static void correct_local(pel_navigator_t *nav, const pel_real *dr, const pel_real *dv, const pel_real *psi)
+{
+    pel_strapdown_t *s = &nav->at_horizon;
+    const double before_e[3] = {s->r_eb_e[0], s->r_eb_e[1], s->r_eb_e[2]};
+    pel_strapdown_enu_t enu;
+    double M, N;
+    if (pel_strapdown_to_enu(s, &enu) != PEL_OK) { return; } /* not this near to a pole: pel_nav_choose_axes() */
+    pel_earth_radii(enu.lat, &M, &N);
+    for (int k = 0; k < 3; k++) { enu.v_eb_enu[k] -= (double)dv[k]; }
+    turn_back(psi, enu.C_b_enu);
+    enu.lon -= (double)dr[0] / ((N + enu.h) * pel_cos(enu.lat));
+    enu.lat -= (double)dr[1] / (M + enu.h);
+    enu.h -= (double)dr[2];
+    pel_strapdown_from_enu(&enu, s);
+    for (int k = 0; k < 3; k++) { nav->corrected_e[k] += s->r_eb_e[k] - before_e[k]; }
+}
+
+static void correct_sensors(pel_navigator_t *nav)
+{
+    const pel_real *x = nav->ud.x;
+    const int i_bg = pel_model_index(&nav->model, PEL_BLOCK_GYRO_CONSTANT);
+    const int i_gm = pel_model_index(&nav->model, PEL_BLOCK_GYRO_MARKOV);
+    const int i_am = pel_model_index(&nav->model, PEL_BLOCK_ACCEL_MARKOV);
+    for (int k = 0; k < 3; k++) {
+        nav->errors.gyro_constant[k] += (double)x[i_bg + k];
+        nav->errors.gyro_markov[k] += (double)x[i_gm + k];
+        nav->errors.accel_markov[k] += (double)x[i_am + k];
     }
+}
+
+void pel_nav_close_loop(pel_navigator_t *nav)
+{
+    pel_real *x = nav->ud.x;
+    const pel_real *dr = &x[pel_model_index(&nav->model, PEL_BLOCK_POSITION)];
+    const pel_real *dv = &x[pel_model_index(&nav->model, PEL_BLOCK_VELOCITY)];
+    const pel_real *psi = nav->ins ? &x[pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE)] : NULL;
+    if (nav->ins && nav->local) {
+        correct_local(nav, dr, dv, psi);
+    } else {
+        correct_e(nav, dr, dv, psi);
+    }
+    if (nav->ins) { correct_sensors(nav); }
     pel_nav_track_close_loop(nav);
     for (int i = 0; i < nav->ud.n; i++) { x[i] = 0; }
 }
@@ -237,12 +310,14 @@ void pel_nav_antenna_cov(const pel_navigator_t *nav, const pel_antenna_t *ant, b
 {
     const int i = rate ? ant->i_v : ant->i_r;
     const double *a = rate ? ant->lever_rate_e : ant->lever_e;
-    pel_ud_block3(&nav->ud, i, i, P);
+    pel_nav_axes_t axes;
+    pel_nav_axes(nav, &axes);
+    pel_nav_block_e(nav, &axes, i, i, P);
     if (ant->i_psi < 0) { return; }
     const double A[3][3] = {{0.0, a[2], -a[1]}, {-a[2], 0.0, a[0]}, {a[1], -a[0], 0.0}};
     double Ppp[3][3], Ppr[3][3], APA[3][3], cross[3][3];
-    pel_ud_block3(&nav->ud, ant->i_psi, ant->i_psi, Ppp);
-    pel_ud_block3(&nav->ud, ant->i_psi, i, Ppr);
+    pel_nav_block_e(nav, &axes, ant->i_psi, ant->i_psi, Ppp);
+    pel_nav_block_e(nav, &axes, ant->i_psi, i, Ppr);
     pel_mat3_congruence(A, Ppp, APA);
     pel_mat3_mul(A, Ppr, cross);
     for (int r = 0; r < 3; r++) {

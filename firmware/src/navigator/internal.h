@@ -18,6 +18,44 @@ static inline double pel_nav_along(const double P[3][3], const double g[3])
 /* Longest stretch without IMU that the INS survives, s. */
 #define PEL_NAV_LONGEST_GAP_S 0.3
 
+/* ---- preset.c ---- */
+
+typedef struct {
+    void (*model)(pel_model_t *m,
+                  const pel_imu_model_t *imu); /* of the INS; its blocks are those of pel_model_ins_ecef() */
+    bool imu;                                  /* the INS runs where there is an IMU */
+    bool base;                                 /* double differences where there is a base */
+    bool local;                                /* mechanization and filter in local axes */
+    bool rates;                                /* Doppler is used */
+    bool each_epoch; /* integers are searched in each epoch alone; else only in the filter's own floats */
+} pel_nav_preset_t;
+
+/* By what was asked for: what may run. By what is in use: how epochs are used. */
+const pel_nav_preset_t *pel_nav_preset(pel_preset_t preset);
+pel_preset_t pel_nav_preset_in_use(const pel_navigator_t *nav);
+
+/* ---- axes.c: the axes of the filter's states ---- */
+
+/* At the horizon, for a while. C_e_enu is set where local. */
+typedef struct {
+    bool local;
+    double C_e_enu[3][3];
+} pel_nav_axes_t;
+
+void pel_nav_axes(const pel_navigator_t *nav, pel_nav_axes_t *axes);
+
+/* Covariance of two vector states that begin at i and j, in e. */
+void pel_nav_block_e(const pel_navigator_t *nav, const pel_nav_axes_t *axes, int i, int j, double P[3][3]);
+
+/* A row made in e becomes one on the filter's states. */
+void pel_nav_turn_row(const pel_nav_axes_t *axes, const pel_antenna_t *ant, pel_row_t *row);
+
+/* Before an advance: local axes where the preset asks for them, e within a degree of the poles. The covariance changes with them. */
+pel_status_t pel_nav_choose_axes(pel_navigator_t *nav);
+
+/* The next substep of the time update begins here, with this attitude in the filter's axes. */
+void pel_nav_restart_substep(pel_navigator_t *nav, const double C[3][3]);
+
 /* ---- horizon.c: the filter's nominal state through time ---- */
 
 /* Carry state and covariance to t. With INS the ring must reach t (else PEL_E_MISSING, nothing changed). */

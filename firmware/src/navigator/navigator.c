@@ -35,9 +35,9 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
     pel_nav_noise_level_init(nav);
 }
 
-static bool preset_uses_base(pel_preset_t p)
+static bool uses_base(const pel_navigator_t *nav)
 {
-    return p == PEL_PRESET_AUTO || p == PEL_PRESET_RTK || p == PEL_PRESET_INS_RTK;
+    return pel_nav_preset(nav->cfg.preset)->base;
 }
 
 static pel_time_t stream_now(const pel_navigator_t *nav)
@@ -61,7 +61,7 @@ static bool imu_has_passed(const pel_navigator_t *nav, pel_time_t t_ns)
 /* Is a base epoch for this time here, or no longer worth waiting for? */
 static bool base_is_settled(const pel_navigator_t *nav, pel_time_t t_ns)
 {
-    if (!preset_uses_base(nav->cfg.preset)) { return true; }
+    if (!uses_base(nav)) { return true; }
     const bool waited = stream_now(nav) >= t_ns + (int64_t)((double)nav->cfg.base_wait_s * 1e9);
     /* Before anything was used a base may still be on its way; later, one that never came is not waited for. */
     if (nav->n_base == 0 || !nav->have_station) { return waited || nav->counters.epochs_used > 0; }
@@ -79,7 +79,7 @@ static pel_epoch_t *choose_base(pel_navigator_t *nav, pel_time_t t_ns)
 {
     int index = 0;
     double age_s = 0.0;
-    if (!preset_uses_base(nav->cfg.preset) || nav->n_base == 0) { return NULL; }
+    if (!uses_base(nav) || nav->n_base == 0) { return NULL; }
     if (pel_pair_epochs(nav->base, nav->n_base, t_ns, (double)nav->cfg.base_max_age_s, &index, &age_s) != PEL_OK) {
         return NULL;
     }
@@ -102,7 +102,7 @@ static void drop_oldest(pel_navigator_t *nav)
 static void begin_oldest(pel_navigator_t *nav)
 {
     pel_epoch_t *base = choose_base(nav, nav->rover[0].t_ns);
-    if (base == NULL && nav->n_base > 0 && preset_uses_base(nav->cfg.preset)) { nav->counters.epochs_unpaired++; }
+    if (base == NULL && nav->n_base > 0 && uses_base(nav)) { nav->counters.epochs_unpaired++; }
     pel_nav_begin_epoch(nav, &nav->rover[0], base);
     if (nav->search == PEL_NAV_SEARCH_NONE) { drop_oldest(nav); }
 }

@@ -102,12 +102,6 @@ void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at
 
 /* ---- asked and used -------------------------------------------------------------------------------------------------- */
 
-static pel_preset_t preset_in_use(const pel_navigator_t *nav)
-{
-    if (nav->ins) { return nav->relative ? PEL_PRESET_INS_RTK : PEL_PRESET_INS_SINGLE; }
-    return nav->relative ? PEL_PRESET_RTK : PEL_PRESET_SINGLE;
-}
-
 static void note_carriers(const pel_epoch_t *e, uint8_t seen[PEL_N_SYS])
 {
     for (int i = 0; i < e->n; i++) {
@@ -129,15 +123,13 @@ static pel_why_t imu_why(const pel_navigator_t *nav)
 {
     if (nav->ins) { return PEL_WHY_NONE; }
     if (nav->last_imu_ns == 0) { return PEL_WHY_NO_DATA; }
-    const bool wanted = nav->cfg.preset != PEL_PRESET_SINGLE && nav->cfg.preset != PEL_PRESET_RTK;
-    return wanted ? PEL_WHY_NOT_ALIGNED : PEL_WHY_CONFIG;
+    return pel_nav_preset(nav->cfg.preset)->imu ? PEL_WHY_NOT_ALIGNED : PEL_WHY_CONFIG;
 }
 
 static pel_why_t base_why(const pel_navigator_t *nav)
 {
     if (nav->relative) { return PEL_WHY_NONE; }
-    const bool wanted = nav->cfg.preset != PEL_PRESET_SINGLE && nav->cfg.preset != PEL_PRESET_INS_SINGLE;
-    if (!wanted) { return PEL_WHY_CONFIG; }
+    if (!pel_nav_preset(nav->cfg.preset)->base) { return PEL_WHY_CONFIG; }
     if (nav->n_base == 0) { return PEL_WHY_NO_DATA; }
     return nav->have_station ? PEL_WHY_NO_ORBIT : PEL_WHY_NO_STATION;
 }
@@ -172,7 +164,7 @@ void pel_nav_note_used(pel_navigator_t *nav)
         if ((r->flags & any) != 0) { u.carriers_used[r->sys] |= (uint8_t)(1u << r->carrier); }
     }
     u.preset_asked = (uint8_t)nav->cfg.preset;
-    u.preset_used = (uint8_t)preset_in_use(nav);
+    u.preset_used = (uint8_t)pel_nav_preset_in_use(nav);
     u.imu_seen = nav->last_imu_ns != 0;
     u.imu_used = nav->ins;
     u.imu_why = (uint8_t)imu_why(nav);
@@ -180,8 +172,7 @@ void pel_nav_note_used(pel_navigator_t *nav)
     u.base_used = nav->relative;
     u.base_why = (uint8_t)base_why(nav);
     const bool differs = nav->cfg.preset != PEL_PRESET_AUTO && u.preset_used != u.preset_asked;
-    const bool lacks_imu =
-        !nav->ins && (u.preset_asked == PEL_PRESET_INS_SINGLE || u.preset_asked == PEL_PRESET_INS_RTK);
+    const bool lacks_imu = !nav->ins && pel_nav_preset(nav->cfg.preset)->imu; /* AUTO lacks nothing */
     u.preset_why = !differs ? PEL_WHY_NONE : lacks_imu ? u.imu_why : u.base_why;
     for (int sys = 0; sys < PEL_N_SYS; sys++) { u.sys_why[sys] = (uint8_t)system_why(nav, &u, sys); }
     u.arw_rad_rts = (float)nav->cfg.imu.arw_rad_rts;

@@ -66,16 +66,18 @@ void pel_nav_predicted_cov(const pel_navigator_t *nav, const pel_strapdown_t *at
     const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
     const int i_p = pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE);
     const double t = pel_time_diff_s(at->t_ns, nav->at_horizon.t_ns);
-    pel_ud_block3(&nav->ud, i_v, i_v, P->v);
-    pel_ud_block3(&nav->ud, i_r, i_r, P->r);
-    if (i_p >= 0) { pel_ud_block3(&nav->ud, i_p, i_p, P->psi); }
+    pel_nav_axes_t axes;
+    pel_nav_axes(nav, &axes);
+    pel_nav_block_e(nav, &axes, i_v, i_v, P->v);
+    pel_nav_block_e(nav, &axes, i_r, i_r, P->r);
+    if (i_p >= 0) { pel_nav_block_e(nav, &axes, i_p, i_p, P->psi); }
     if (i_p < 0 || !(t > 0.0)) { return; }
 
     add_doubts(nav, at, t, P);
     mat3_t P_pv, P_pr, P_vr, A, AP, APA;
-    pel_ud_block3(&nav->ud, i_p, i_v, P_pv);
-    pel_ud_block3(&nav->ud, i_p, i_r, P_pr);
-    pel_ud_block3(&nav->ud, i_v, i_r, P_vr);
+    pel_nav_block_e(nav, &axes, i_p, i_v, P_pv);
+    pel_nav_block_e(nav, &axes, i_p, i_r, P_pr);
+    pel_nav_block_e(nav, &axes, i_v, i_r, P_vr);
     minus_cross(nav, at, t, A);
     pel_mat3_congruence(A, P->psi, APA);
     add_both(P->r, t, P_vr);

@@ -153,7 +153,8 @@ static bool update_robustly(pel_navigator_t *nav, pel_row_t *row, pel_real *nis)
 }
 
 /* One kind of measurement of one group: double differences against the pivot, whitened, into the filter. */
-static void update_group(pel_navigator_t *nav, update_t *u, int first, int last, kind_t kind)
+static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t *axes, int first, int last,
+                         kind_t kind)
 {
     bool keep[PEL_MAX_OBS];
     const int pivot = screen(nav, u, first, last, kind, keep);
@@ -165,6 +166,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
         const pel_sd_t *sd = &nav->sd.sd[i];
         if (i == pivot || !has_value(sd, kind) || (kind == PHASE && !u->phases.known[i])) { continue; }
         const double dd = make_row(nav, u, i, pivot, kind, &row);
+        pel_nav_turn_row(axes, &u->ant, &row);
         const pel_real r_i = (pel_real)variance(sd, kind);
         pel_real nis = 0;
         const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
@@ -187,14 +189,19 @@ static void update_group(pel_navigator_t *nav, update_t *u, int first, int last,
 void pel_nav_update_rows(pel_navigator_t *nav, update_t *u)
 {
     const pel_sd_set_t *set = &nav->sd;
+    const pel_preset_t preset = pel_nav_preset_in_use(nav);
+    const bool code = preset != PEL_PRESET_INS_FLOAT || nav->cfg.float_code;
+    const bool rates = pel_nav_preset(preset)->rates;
+    pel_nav_axes_t axes;
+    pel_nav_axes(nav, &axes);
     u->nis = 0.0f;
     u->nis_dof = 0;
     for (int first = 0; first < set->n;) {
         int last = first + 1;
         while (last < set->n && set->sd[last].group == set->sd[first].group) { last++; }
-        update_group(nav, u, first, last, PHASE);
-        update_group(nav, u, first, last, CODE);
-        update_group(nav, u, first, last, RATE);
+        update_group(nav, u, &axes, first, last, PHASE);
+        if (code) { update_group(nav, u, &axes, first, last, CODE); }
+        if (rates) { update_group(nav, u, &axes, first, last, RATE); }
         first = last;
     }
 }

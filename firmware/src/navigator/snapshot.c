@@ -177,9 +177,11 @@ static bool is_worth_keeping(const pel_navigator_t *nav)
     if (!nav->ins || !nav->have_state || nav->last_epoch_ns == 0 || age_s > (double)nav->cfg.coast_after_s) {
         return false;
     }
+    const int i_psi = pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE);
     double P[3][3], up[3];
-    pel_ud_block3(&nav->ud, pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE),
-                  pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE), P);
+    pel_nav_axes_t axes;
+    pel_nav_axes(nav, &axes);
+    pel_nav_block_e(nav, &axes, i_psi, i_psi, P);
     (void)pel_unit3(nav->at_horizon.r_eb_e, up);
     return pel_ud_check(&nav->ud) == PEL_OK && pel_nav_along(P, up) < HEADING_SD_MAX * HEADING_SD_MAX;
 }
@@ -187,6 +189,7 @@ static bool is_worth_keeping(const pel_navigator_t *nav)
 static void take(const pel_navigator_t *nav, pel_snapshot_t *s)
 {
     pel_antenna_t ant;
+    pel_nav_axes_t axes;
     double P[3][3], v_ea_e[3];
     memset(s, 0, sizeof *s);
     s->config_hash = hash_config(&nav->cfg);
@@ -196,7 +199,8 @@ static void take(const pel_navigator_t *nav, pel_snapshot_t *s)
     pel_nav_antenna(nav, &ant, s->r_ea_e, v_ea_e);
     pel_nav_antenna_cov(nav, &ant, false, P);
     pel_nav_pack_symmetric(P, s->cov_r_e);
-    pel_ud_block3(&nav->ud, ant.i_psi, ant.i_psi, P);
+    pel_nav_axes(nav, &axes);
+    pel_nav_block_e(nav, &axes, ant.i_psi, ant.i_psi, P);
     pel_nav_pack_symmetric(P, s->cov_psi_e);
     memcpy(s->v_eb_e, nav->at_horizon.v_eb_e, sizeof s->v_eb_e);
     pel_dcm_to_rotvec(nav->at_horizon.C_b_e, s->theta_b_e);

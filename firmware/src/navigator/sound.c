@@ -25,7 +25,8 @@ void pel_nav_seal_config(pel_navigator_t *nav)
 
 static uint32_t state_check(const pel_navigator_t *nav)
 {
-    return checksum(&nav->at_horizon, sizeof nav->at_horizon) ^ ~checksum(&nav->now, sizeof nav->now);
+    const uint32_t axes = (uint32_t)nav->local * UINT32_C(0x9E3779B9);
+    return checksum(&nav->at_horizon, sizeof nav->at_horizon) ^ ~checksum(&nav->now, sizeof nav->now) ^ axes;
 }
 
 void pel_nav_seal_state(pel_navigator_t *nav)
@@ -80,7 +81,7 @@ static bool model_is_sound(const pel_navigator_t *nav)
 {
     pel_model_t expected;
     if (nav->ins) {
-        pel_model_ins_ecef(&expected, &nav->cfg.imu);
+        pel_nav_preset(nav->cfg.preset)->model(&expected, &nav->cfg.imu);
     } else {
         pel_model_gnss(&expected, &nav->cfg.imu);
     }

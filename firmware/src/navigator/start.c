@@ -229,7 +229,8 @@ static pel_status_t begin_filter(pel_navigator_t *nav, const pel_alignment_t *at
     pel_nav_antenna_cov(nav, &ant, true, P_v);
 
     pel_real sd[PEL_MAX_STATES];
-    pel_model_ins_ecef(&nav->model, &nav->cfg.imu);
+    pel_nav_preset(nav->cfg.preset)->model(&nav->model, &nav->cfg.imu);
+    nav->local = false; /* the first advance turns it */
     pel_nav_track_forget(nav);
     for (int i = 0; i < nav->model.n; i++) { sd[i] = PEL_R(1.0); }
     pel_model_sensor_sd(&nav->model, sd);
@@ -268,10 +269,9 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
 
 void pel_nav_try_start_ins(pel_navigator_t *nav)
 {
-    const pel_preset_t preset = nav->cfg.preset;
     const pel_time_t t_ns = nav->at_horizon.t_ns;
     if (nav->timing.doubted) { return; }
-    if (nav->ins || preset == PEL_PRESET_SINGLE || preset == PEL_PRESET_RTK) { return; }
+    if (nav->ins || !pel_nav_preset(nav->cfg.preset)->imu) { return; }
     const pel_imu_t *oldest = pel_imu_ring_oldest(&nav->ring);
     if (oldest == NULL || oldest->t_ns > t_ns - IMU_READY_NS || nav->last_imu_ns < t_ns) { return; }
     pel_alignment_t attitude;
