@@ -130,7 +130,7 @@ static void an_old_one_or_one_of_the_future_is_stale(void)
 static void one_taken_in_motion_is_of_no_use(void)
 {
     live(PEL_IMU_GRADE_TACTICAL, 5.0);
-    TEST_ASSERT_FALSE(pel_snapshot_is_still(&first));
+    TEST_ASSERT_FALSE(pel_snapshot_is_due(&first, 0));
     world.speed_mps = 0.0;
     wake();
     TEST_ASSERT_EQUAL_FLOAT(0.0f, second.warm.kept.still_s);
@@ -211,7 +211,7 @@ static void an_attitude_that_was_told_comes_first(void)
 
 static void standing_is_no_speed_and_no_turn(void)
 {
-    TEST_ASSERT_TRUE(pel_snapshot_is_still(&first));
+    TEST_ASSERT_TRUE(pel_snapshot_is_due(&first, 0));
     const pel_time_t since_ns = first.warm.still_since_ns;
     pel_nav_warm_epoch(&first);
     TEST_ASSERT_EQUAL_INT64(since_ns, first.warm.still_since_ns); /* goes on */
@@ -221,7 +221,7 @@ static void standing_is_no_speed_and_no_turn(void)
     first.omega_ib_b[2] -= 2.0 * PEL_DEG;
     pel_nav_warm_epoch(&first);
     TEST_ASSERT_EQUAL_INT64(first.at_horizon.t_ns, first.warm.still_since_ns); /* begins again */
-    TEST_ASSERT_FALSE(pel_snapshot_is_still(&first));
+    TEST_ASSERT_FALSE(pel_snapshot_is_due(&first, 0));
     first.at_horizon.v_eb_e[0] += 1.0;
     pel_nav_warm_epoch(&first);
     TEST_ASSERT_EQUAL_INT64(0, first.warm.still_since_ns);
