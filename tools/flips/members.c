@@ -13,25 +13,15 @@
 static const struct {
     const char *name;
     size_t at, size;
-} MEMBERS[] = {NAV(cfg),        NAV(orbits),
-               NAV(station),    NAV(rover),
-               NAV(base),       NAV(slip_rover),
-               NAV(slip_base),  NAV(ring),
-               NAV(at_horizon), NAV(now),
-               NAV(errors),     NAV(model),
-               NAV(ud),         NAV(propagator),
-               NAV(align),      NAV(yaw),
-               NAV(spp),        NAV(admit),
-               NAV(timing),     NAV(view_rover),
-               NAV(view_base),  NAV(sd),
-               NAV(problem),    NAV(ils),
-               NAV(track),      NAV(update),
-               NAV(warm),       NAV(poses),
-               NAV(counters),   NAV(solution),
-               NAV(used),       NAV(event),
-               NAV(sats),       NAV(epoch_solution),
-               TOP(imu),        TOP(rover),
-               TOP(base),       {"the rest of nav", 0, sizeof(pel_navigator_t)}};
+} MEMBERS[] = {NAV(cfg),        NAV(orbits),     NAV(station),   NAV(rover),
+               NAV(base),       NAV(slip_rover), NAV(slip_base), NAV(ring),
+               NAV(at_horizon), NAV(now),        NAV(errors),    NAV(model),
+               NAV(ud),         NAV(propagator), NAV(align),     NAV(yaw),
+               NAV(spp),        NAV(admit),      NAV(timing),    NAV(sd),
+               NAV(problem),    NAV(ils),        NAV(track),     NAV(update),
+               NAV(warm),       NAV(poses),      NAV(counters),  NAV(solution),
+               NAV(used),       NAV(event),      NAV(sats),      NAV(epoch_solution),
+               TOP(imu),        TOP(rover),      TOP(base),      {"the rest of nav", 0, sizeof(pel_navigator_t)}};
 
 #define N_MEMBERS ((int)(sizeof MEMBERS / sizeof MEMBERS[0]))
 

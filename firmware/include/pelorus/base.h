@@ -110,6 +110,7 @@ typedef struct {
     double upsilon_ib_b[3]; /* integral of specific force, m/s */
     uint16_t seq;           /* counter of the sender, modulo 65536 */
     uint16_t flags;         /* PEL_IMU_* */
+    uint32_t check;         /* of the members above, by pel_imu_ring_push() and for it alone */
 } pel_imu_t;
 
 #define PEL_IMU_GYRO_SATURATED  0x0001u

@@ -131,10 +131,10 @@ typedef struct {
     bool half;     /* half a cycle is not resolved: good as a float, no integer */
     int16_t state; /* index of its filter state; -1: held, or the datum of its group */
     uint16_t epochs;
-    uint8_t agreed; /* searches in a row that gave the same integer, since: */
+    uint8_t agreed;     /* searches in a row that gave the same integer */
+    uint32_t candidate; /* that integer modulo 2^32 */
     pel_time_t agreed_since_ns;
     double N;            /* cycles, rover minus base, on the group's datum */
-    double candidate;    /* that integer */
     pel_time_t since_ns; /* when a float one began */
 } pel_tracked_t;
 
@@ -182,11 +182,11 @@ typedef struct {
 
 /* Outcome of the integers of one epoch. */
 typedef struct {
-    pel_int_reason_t reason;
     double ratio, success;
     int n, n_fixed, nodes;
-    bool fixed[PEL_MAX_OBS]; /* by index into nav->sd.sd[] */
-    int32_t N[PEL_MAX_OBS];  /* DD integer against the group's pivot */
+    int32_t N[PEL_MAX_OBS];  /* by index into nav->sd.sd[]: DD integer against the group's pivot */
+    bool fixed[PEL_MAX_OBS]; /* it has one */
+    pel_int_reason_t reason;
 } pel_nav_integers_t;
 
 /* What is known of each phase of nav->sd. */
@@ -216,13 +216,13 @@ typedef struct {
     pel_antenna_t ant;
     double P_r[3][3], P_v[3][3]; /* antenna, before the update */
     pel_nav_integers_t ints;     /* of this epoch alone */
-    int row_of[PEL_MAX_AMB];     /* which of nav->sd each row of nav->problem is */
     pel_nav_integers_t later;    /* of the float states after the update */
     pel_nav_chosen_t chosen;     /* which of them are searched */
     float base_age_s, nis;
     uint16_t nis_dof, flags;
-    pel_nav_phases_t phases;  /* every N, held or float */
-    bool misfit[PEL_MAX_OBS]; /* phase rows that were refused */
+    pel_nav_phases_t phases;     /* every N, held or float */
+    bool misfit[PEL_MAX_OBS];    /* phase rows that were refused */
+    uint8_t row_of[PEL_MAX_AMB]; /* which of nav->sd each row of nav->problem is */
     int code_used, code_refused, used;
     int held_used, held_refused; /* phase rows with validated integers */
 } pel_nav_update_t;
@@ -259,20 +259,19 @@ typedef struct pel_navigator_t {
     pel_nav_config_t cfg;                           /* as given; never written after init */
     uint32_t cfg_check, state_check, station_check; /* navigator/sound.c */
     bool attitude_given;                            /* the configured attitude has not been used up */
-    pel_orbits_t orbits;
     bool have_station;
+    bool ins;        /* the 18-state filter runs; else GNSS alone */
+    bool local;      /* and its attitude, velocity and position states are in local axes */
+    bool have_state; /* position and velocity are known */
+    pel_orbits_t orbits;
     pel_station_t station;
 
+    int n_rover, n_base;
     pel_epoch_t rover[PEL_ROVER_QUEUE]; /* waiting, oldest first */
-    int n_rover;
-    pel_epoch_t base[PEL_BASE_QUEUE]; /* newest last */
-    int n_base;
+    pel_epoch_t base[PEL_BASE_QUEUE];   /* newest last */
     pel_slip_t slip_rover, slip_base;
 
     pel_imu_ring_t ring;
-    bool ins;                   /* the 18-state filter runs; else GNSS alone */
-    bool local;                 /* and its attitude, velocity and position states are in local axes */
-    bool have_state;            /* position and velocity are known */
     pel_strapdown_t at_horizon; /* r_eb_e is the antenna's without INS */
     pel_strapdown_t now;
     pel_coning_t coning_horizon, coning_now;
@@ -298,12 +297,16 @@ typedef struct pel_navigator_t {
     pel_admit_t admit;
     pel_timing_t timing;
 
-    pel_view_t view_rover, view_base;
     pel_sd_set_t sd;
     pel_nav_search_t search;   /* the oldest rover epoch is under way */
     pel_amb_problem_t problem; /* workspace of the epoch's search */
     pel_amb_resolver_t resolver;
-    pel_ils_t ils;
+    union {
+        struct {
+            pel_view_t view_rover, view_base; /* until the differences and the problem are formed */
+        };
+        pel_ils_t ils; /* from then on */
+    };
     pel_track_t track;
     pel_noise_level_t noise_level;
     pel_hold_watch_t hold_watch;

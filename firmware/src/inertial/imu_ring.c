@@ -9,7 +9,7 @@ _Static_assert((PEL_IMU_RING & (PEL_IMU_RING - 1)) == 0, "indices wrap by maskin
 static uint32_t check_of(const pel_imu_t *imu)
 {
     uint32_t h = 1;
-    for (size_t i = 0; i < (offsetof(pel_imu_t, flags) + sizeof imu->flags) / 4; i++) {
+    for (size_t i = 0; i < offsetof(pel_imu_t, check) / 4; i++) {
         uint32_t word;
         memcpy(&word, (const uint8_t *)imu + 4 * i, sizeof word);
         h = ((h << 5) | (h >> 27)) ^ word;
@@ -32,7 +32,7 @@ const pel_imu_t *pel_imu_ring_at(const pel_imu_ring_t *ring, int i)
 bool pel_imu_ring_is_whole(const pel_imu_ring_t *ring, int i)
 {
     const pel_imu_t *imu = pel_imu_ring_at(ring, i);
-    return imu != NULL && ring->check[imu - ring->imu] == check_of(imu);
+    return imu != NULL && imu->check == check_of(imu);
 }
 
 const pel_imu_t *pel_imu_ring_oldest(const pel_imu_ring_t *ring)
@@ -51,7 +51,7 @@ pel_status_t pel_imu_ring_push(pel_imu_ring_t *ring, const pel_imu_t *imu)
     if (!(imu->dt_s > 0.0 && imu->dt_s <= 10.0)) { return PEL_E_RANGE; }
     if (newest != NULL && imu->t_ns <= newest->t_ns) { return PEL_E_STALE; }
     ring->imu[ring->head] = *imu;
-    ring->check[ring->head] = check_of(imu);
+    ring->imu[ring->head].check = check_of(imu);
     ring->head = (uint16_t)((ring->head + 1u) & (PEL_IMU_RING - 1u));
     if (ring->n < PEL_IMU_RING) { ring->n++; }
     return PEL_OK;

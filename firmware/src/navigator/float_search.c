@@ -121,10 +121,10 @@ static void note_candidates(pel_navigator_t *nav, const pel_nav_chosen_t *c, con
 {
     for (int r = 0; r < c->n; r++) {
         pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        const bool same = t->agreed > 0 && t->candidate == (double)N[r];
+        const bool same = t->agreed > 0 && t->candidate == (uint32_t)N[r];
         if (!same) { t->agreed_since_ns = nav->at_horizon.t_ns; }
         t->agreed = (uint8_t)(!same ? 1 : (t->agreed < UINT8_MAX) ? t->agreed + 1 : UINT8_MAX);
-        t->candidate = (double)N[r];
+        t->candidate = (uint32_t)N[r];
     }
 }
 
@@ -136,7 +136,7 @@ static double agreed_for_s(const pel_navigator_t *nav, const pel_nav_chosen_t *c
     *epochs = UINT8_MAX;
     for (int r = 0; r < c->n; r++) {
         const pel_tracked_t *t = &nav->track.entry[c->entry[r]];
-        if (t->candidate != (double)N[r]) {
+        if (t->candidate != (uint32_t)N[r]) {
             *epochs = 0;
             return 0.0;
         }

@@ -84,7 +84,7 @@ static void add_row(const pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd
 }
 
 /* All double differences above a mask; index[] tells which single difference each row is. False: they do not fit. */
-static bool fill_problem(const pel_navigator_t *nav, double mask_rad, pel_amb_problem_t *p, int index[PEL_MAX_AMB])
+static bool fill_problem(const pel_navigator_t *nav, double mask_rad, pel_amb_problem_t *p, uint8_t index[PEL_MAX_AMB])
 {
     const pel_sd_set_t *set = &nav->sd;
     p->n_rows = 0;
@@ -102,7 +102,7 @@ static bool fill_problem(const pel_navigator_t *nav, double mask_rad, pel_amb_pr
         if (p->n_rows == PEL_MAX_AMB || (!open && p->n_groups == PEL_AMB_GROUPS)) { return false; }
         if (!open) { add_group(nav, pivot, p); }
         open = true;
-        index[p->n_rows] = i;
+        index[p->n_rows] = (uint8_t)i;
         add_row(nav, sd, pivot, p);
     }
     return true;
@@ -147,6 +147,7 @@ bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav
     limits.success_min = (double)nav->cfg.success_min;
     limits.prior_sigma = PRIOR_SIGMAS;
     limits.failure_max = (double)nav->cfg.failure_max;
+    memset(&nav->ils, 0, sizeof nav->ils); /* empty: its memory held the views */
     return pel_amb_resolve_begin(&nav->resolver, p, &limits, nav->cfg.node_budget, MAX_TRIES) == PEL_OK;
 }
 

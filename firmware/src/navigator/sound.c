@@ -115,9 +115,7 @@ static bool search_is_sound(const pel_navigator_t *nav)
         return false;
     }
     for (int i = 0; i < nav->problem.n_rows; i++) {
-        if (!within(nav->update.row_of[i], PEL_MAX_OBS - 1) || nav->problem.row[i].group >= PEL_AMB_GROUPS) {
-            return false;
-        }
+        if (nav->update.row_of[i] >= PEL_MAX_OBS || nav->problem.row[i].group >= PEL_AMB_GROUPS) { return false; }
     }
     for (int i = 0; i < nav->update.chosen.n; i++) {
         const uint8_t entry = nav->update.chosen.entry[i];
@@ -144,8 +142,7 @@ bool pel_nav_counts_are_sound(const pel_navigator_t *nav)
 bool pel_nav_is_sound(const pel_navigator_t *nav)
 {
     bool sound = pel_nav_counts_are_sound(nav) && within(nav->slip_rover.n, PEL_MAX_OBS) &&
-                 within(nav->slip_base.n, PEL_MAX_OBS) && within(nav->sd.n, PEL_MAX_OBS) &&
-                 within(nav->view_rover.n, PEL_MAX_SATS) && within(nav->view_base.n, PEL_MAX_SATS);
+                 within(nav->slip_base.n, PEL_MAX_OBS) && within(nav->sd.n, PEL_MAX_OBS);
     for (int i = 0; sound && i < nav->n_rover; i++) { sound = epoch_is_sound(&nav->rover[i]); }
     for (int i = 0; sound && i < nav->n_base; i++) { sound = epoch_is_sound(&nav->base[i]); }
     return sound && (!nav->have_state || (model_is_sound(nav) && track_is_sound(nav)));
