@@ -10,7 +10,7 @@
 #include <string.h>
 
 #include "hal.h"
-#include "pelorus/filter.h"
+#include "pelorus/bits.h"
 #include "pelorus/math.h"
 
 #define MS       INT64_C(1000000)
@@ -114,10 +114,7 @@ static double random_double(uint64_t *state)
     const uint64_t r = random_bits(state);
     uint64_t fraction = random_bits(state) & UINT64_C(0xFFFFFFFFFFFFF);
     if ((r & 7u) == 0) { fraction &= UINT64_C(0xFFFFFFFF00000); }
-    const uint64_t bits = (r & (UINT64_C(1) << 63)) | (1023 - 40 + (r >> 8) % 81) << 52 | fraction;
-    double x;
-    memcpy(&x, &bits, sizeof x);
-    return x;
+    return pel_f64_from_bits((r & (UINT64_C(1) << 63)) | (1023 - 40 + (r >> 8) % 81) << 52 | fraction);
 }
 
 static uint32_t hash_double(uint32_t h, double x)

@@ -5,7 +5,7 @@
  * slot is void when that word is zero. */
 #include <string.h>
 
-#include "pelorus/filter.h"
+#include "pelorus/bits.h"
 #include "virt.h"
 
 #define SLOTS       2

@@ -29,9 +29,8 @@
 #define PLIC_THRESHOLD     (*(volatile uint32_t *)0x0C200000u)
 #define PLIC_CLAIM         (*(volatile uint32_t *)0x0C200004u)
 
-#define MSTATUS_MIE 0x8u
-#define MIE_TIMER   0x80u
-#define MIE_EXTERN  0x800u
+#define MIE_TIMER  0x80u
+#define MIE_EXTERN 0x800u
 
 /* Ask for the next wake-up, a tenth of a second from now. */
 void virt_wake(void);

@@ -6,7 +6,7 @@
 #include <stddef.h>
 #include <string.h>
 
-#include "pelorus/filter.h"
+#include "pelorus/bits.h"
 #include "stm32.h"
 
 #define SLOTS      2

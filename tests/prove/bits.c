@@ -234,3 +234,15 @@ void fletcher8(void)
     any_bytes(buf, sizeof buf);
     (void)pel_fletcher8(buf, any_upto(sizeof buf));
 }
+
+/* PROVE fnv1a: any bytes of any length
+ * sources base/crc.c
+ * flags --unwind 10
+ * quick
+ * plant base/crc.c: i < n; i++ => i <= n; i++ */
+void fnv1a(void)
+{
+    uint8_t buf[8];
+    any_bytes(buf, sizeof buf);
+    (void)pel_fnv1a(buf, any_upto(sizeof buf), PEL_FNV_START);
+}

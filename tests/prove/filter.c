@@ -128,18 +128,6 @@ void ud_check(void)
     (void)pel_ud_check(&ud);
 }
 
-/* PROVE fnv1a: any bytes of any length
- * sources filter/hash.c
- * flags --unwind 10
- * quick
- * plant filter/hash.c: i < n; i++ => i <= n; i++ */
-void fnv1a(void)
-{
-    uint8_t buf[8];
-    any_bytes(buf, sizeof buf);
-    (void)pel_fnv1a(buf, any_upto(sizeof buf), PEL_FNV_START);
-}
-
 /* PROVE whiten: rows of any length and numbers through begin, row and accept
  * sources gnss/whiten.c
  * flags --unwind 20 --any-floats -DPEL_MAX_STATES=18

@@ -6,7 +6,7 @@ Frames whose fields are changed get their checksum again, so that nothing but th
 import math
 import struct
 
-from pelorus_tools.frames import crc24q
+from pelorus_tools import frames
 
 SPEED_OF_LIGHT = 299792458.0
 WEEK_S = 604800.0
@@ -34,8 +34,7 @@ def split(data):
 
 
 def seal_imu(payload):
-    body = b"\x01\x01" + len(payload).to_bytes(2, "little") + bytes(payload)
-    return b"PL" + body + crc24q(body).to_bytes(3, "big")
+    return frames.encode(1, bytes(payload))
 
 
 def seal_rawx(payload):

@@ -116,8 +116,7 @@ def tilted(frame):
     counts = np.frombuffer(frame[at:at + 24], "<i4").astype(float).reshape(2, 3)
     c, s = np.cos(np.radians(5.0)), np.sin(np.radians(5.0))
     turned = counts @ np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
-    body = frame[2:at] + np.round(turned).astype("<i4").tobytes()
-    return b"PL" + body + frames.crc24q(body).to_bytes(3, "big")
+    return frames.encode(frame[2], frame[6:at] + np.round(turned).astype("<i4").tobytes(), frame[3])
 
 
 def test_rocking_while_it_starts_is_refused(folder, standing, stored):

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 from pil import sizes
-from pil.board import ROOT, Board
+from pil.board import ROOT, Board, names
 
 BOARD = "mps2-an386"
 FLAGS = ["-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16", "-O2", "-fcallgraph-info=su", "-ffunction-sections",
@@ -23,6 +23,12 @@ def test_a_number_that_moved_makes_the_page_stale():
     assert sizes.stale(page, ["| wire | 31300 | 30492 |", page[1]]) == []
     assert sizes.stale(page, ["| wire | 34000 | 30492 |", page[1]]) != []
     assert sizes.stale(page, [page[0], "Deepest: `a` 100 > `c` 20."]) != []
+
+
+@pytest.mark.parametrize("board", names())
+def test_every_board_links_firmware_that_holds_its_promises(board):
+    done = subprocess.run(["bash", ROOT / "cmake/firmware.sh", board], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def report(folder, source, *flags):
@@ -52,6 +58,12 @@ PLANTED = {
         void firmware_main(void) { char a[n]; fill(a, n); }""",
     "a call through a pointer to nowhere known": """
         void firmware_main(void) { (*(void (*volatile *)(void))0x20001000)(); }""",
+    "an entry point takes more stack than the design allows": """
+        volatile char sink;
+        void __attribute__((noipa)) pel_deep(void);
+        static void __attribute__((noinline)) fill(volatile char *p) { p[0] = sink; }
+        void pel_deep(void) { char a[6200]; fill(a); sink = a[6199]; }
+        void firmware_main(void) { pel_deep(); }""",
     "the stack is too small": """
         volatile char sink;
         static void __attribute__((noinline)) fill(volatile char *p) { p[0] = sink; }

@@ -4,6 +4,7 @@
 #include "pelorus/earth.h"
 #include "pelorus/filter.h"
 #include "pelorus/inertial.h"
+#include "pelorus/bits.h"
 #include "pelorus/math.h"
 
 #define BODY __attribute__((noinline)) static void

@@ -4,7 +4,7 @@
 
 Code and RAM come from the linker's map and symbols, the stack bound from callgraph.py. Fails if a heap symbol is linked, if a function may
 call itself by any path, if a call through a pointer has no known target, if doubles are computed in software where they are not meant to
-be, or if the stack does not hold the deepest path and an interrupt on top of it.
+be, if the stack does not hold the deepest path and an interrupt on top of it, or if an entry point takes more than the design's 6 KB of it.
 """
 
 import pathlib
@@ -38,14 +38,15 @@ def print_memory(image):
 
 def print_stack(image, graph):
     print("\nstack, bytes: deepest path below each entry point of the library")
-    for name, depth in list(graph.entries().items())[:10]:
+    entries = graph.entries()
+    for name, depth in list(entries.items())[:10]:
         print(f"  {name:32s} {against(depth, BUDGET['stack'])}")
     depth, chain = graph.of("reset_handler")
     total = depth + graph.interrupt()
     print(f"  deepest path {depth} + interrupt {graph.interrupt()} = {total} of {image.stack_reserved()} reserved")
     for name, size in chain:
         print(f"      {size:6d} {name}")
-    return total
+    return total, [name for name, depth in entries.items() if depth > BUDGET["stack"]]
 
 
 def main():
@@ -53,7 +54,7 @@ def main():
     image, build = Image(elf), pathlib.Path(build)
     graph = CallGraph(image, build)
     print_memory(image)
-    total = print_stack(image, graph)
+    total, deep = print_stack(image, graph)
 
     hard = "set(PEL_BOARD_PRESET m7)" in pathlib.Path(f"hal/{board}/board.cmake").read_text()
     soft = doubles.unexpected(image, build, hard)
@@ -70,6 +71,7 @@ def main():
         "frames of variable size": graph.unbounded,
         "doubles in software": soft,
         "the stack is too small": total > image.stack_reserved(),
+        "an entry point takes more stack than the design allows": deep,
     }
     for reason in (r for r, wrong in failed.items() if wrong):
         print(f"FAILED: {reason}", file=sys.stderr)

@@ -8,6 +8,7 @@
 
 #include "capture_log.h"
 #include "desktop.h"
+#include "pelorus/bits.h"
 #include "pelorus/earth.h"
 #include "pelorus/math.h"
 #include "pelorus_truth_t.h"

@@ -8,6 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -23,6 +24,10 @@ uint32_t pel_crc32_novatel(const uint8_t *p, size_t n);
 
 /* 8-bit Fletcher of UBX over class..payload, as (first byte << 8) | second byte. */
 uint16_t pel_fletcher8(const uint8_t *p, size_t n);
+
+/* FNV-1a (32 bit; Fowler, Noll, Vo). Pass the last result to continue; start with PEL_FNV_START. */
+#define PEL_FNV_START UINT32_C(2166136261)
+uint32_t pel_fnv1a(const void *bytes, size_t n, uint32_t seed);
 
 /* ---- bit fields at a position; 1 <= n_bits <= 64. The caller guarantees that the buffer is long enough. ----------- */
 
@@ -66,6 +71,20 @@ double pel_le_f64(const uint8_t *p);
 void pel_le_put(uint8_t *p, unsigned n_bytes, uint64_t value); /* low bytes of value; cast a signed one to uint64_t */
 void pel_le_put_f32(uint8_t *p, float value);
 void pel_le_put_f64(uint8_t *p, double value);
+
+/* The bits of a number are copied, never its struct or its pointer: IEEE 754 is asked for, byte order is not. */
+static inline uint64_t pel_f64_bits(double x)
+{
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return bits;
+}
+static inline double pel_f64_from_bits(uint64_t bits)
+{
+    double x;
+    memcpy(&x, &bits, sizeof x);
+    return x;
+}
 
 /* Nearest integer, ties away from zero; |x| < 2^62, else (or NaN) INT64_MIN, which no field can hold. */
 int64_t pel_round_i64(double x);

@@ -30,8 +30,8 @@ void pel_earth_llh_to_ecef(double lat, double lon, double h, double r_e[3]);
 void pel_earth_C_e_n(double lat, double lon, double C_e_n[3][3]);
 void pel_earth_C_e_enu(double lat, double lon, double C_e_enu[3][3]);
 
-/* Radii of curvature of the meridian and of the prime vertical, m. */
-void pel_earth_radii(double lat, double *R_M, double *R_N);
+/* Radii of curvature of the meridian and of the prime vertical, m, at the latitude with this sine. */
+void pel_earth_radii_at(double sin_lat, double *R_M, double *R_N);
 
 /* Gravity (gravitation and centrifugal acceleration) in e, m/s^2: J2 field, Groves (2013) 2.142. Differs from the normal
  * gravity of WGS-84 by at most 1.3e-4 m/s^2 (13 ug; the real field departs from either by up to 5e-4). |r_e| > 1000 km.

@@ -130,10 +130,8 @@ pel_status_t pel_ud_change_reference(pel_ud_t *ud, int first, int n, int p);
 pel_status_t pel_ud_check(const pel_ud_t *ud);
 
 /* FNV-1a (32 bit) of n, U, D, x, little-endian bytes whatever the machine: equal hashes, equal filters. Continues from seed;
- * start with PEL_FNV_START. */
-#define PEL_FNV_START UINT32_C(2166136261)
+ * start with PEL_FNV_START of bits.h. */
 uint32_t pel_ud_hash(const pel_ud_t *ud, uint32_t seed);
-uint32_t pel_fnv1a(const void *bytes, size_t n, uint32_t seed);
 
 /* ---- propagation at IMU rate --------------------------------------------------------------------------------------------- */
 

@@ -93,6 +93,9 @@ PEL_SHORT double pel_dot3(const double a[3], const double b[3]);
 /* out = a x b */
 PEL_SHORT void pel_cross3(const double a[3], const double b[3], double out[3]);
 
+/* A = [a x] */
+void pel_cross_matrix(const double a[3], double A[3][3]);
+
 double pel_norm3(const double a[3]);
 
 /* out = a / |a|; out may be a. A zero vector stays zero. Returns |a|. */

@@ -96,6 +96,9 @@ pel_status_t pel_model_append(pel_model_t *m, pel_block_t block, int size);
 /* Index of a block's first state, -1 if the model has none. */
 int pel_model_index(const pel_model_t *m, pel_block_t block);
 
+/* A first-order Markov state of stationary sd and time constant tau_s over dt_s: x <- (1 + decay) x, and the variance q added then. */
+void pel_model_markov(double sd, double tau_s, double dt_s, pel_real *decay, pel_real *q);
+
 /* Initial standard deviation of every sensor state from m->imu; other states are left alone. sd has m->n elements. */
 void pel_model_sensor_sd(const pel_model_t *m, pel_real sd[PEL_MAX_STATES]);
 
@@ -114,6 +117,9 @@ typedef struct {
     } block[PEL_MAX_PHI_BLOCKS];
     pel_real q[PEL_MAX_STATES]; /* variance added to each state; 0 for most */
 } pel_transition_t;
+
+/* Append a block to Phi - I, its first element at (row, col): its elements are the caller's to write. */
+pel_real (*pel_transition_add(pel_transition_t *t, int row, int col))[3];
 
 /* Transition over dt_s (0 < dt_s <= 0.25; 0.05 is usual) to second order: I + F dt + F^2 dt^2/2 (terms below 1e-9 of their
  * row's error left out: see docs/FILTER.md). Markov decay and noise are not in it: pel_model_slow().

@@ -6,6 +6,7 @@
 
 #include "ambiguity_internal.h"
 #include "ils_fixed.h"
+#include "pelorus/bits.h"
 
 #define FLOAT_MAX    UINT64_C(0x430C6BF526340000) /* 1e15: a double still resolves an eighth of a cycle */
 #define VARIANCE_MAX UINT64_C(0x426D1A94A2000000) /* 1e12 */
@@ -21,12 +22,6 @@ typedef struct {
     int unit_max;
 } rows_t;
 
-static uint64_t bits_of(const double *x)
-{
-    uint64_t b;
-    memcpy(&b, x, sizeof b);
-    return b;
-}
 static int exponent_of(uint64_t bits)
 {
     return (int)(bits >> 52) & 0x7FF;
@@ -68,7 +63,7 @@ static int64_t of_words(fixed_t x)
 static pel_status_t take_ambiguities(pel_ils_t *s, const double *a)
 {
     for (int i = 0; i < s->n; i++) {
-        const uint64_t bits = bits_of(&a[i]);
+        const uint64_t bits = pel_f64_bits(a[i]);
         if ((bits & ~(UINT64_C(1) << 63)) > FLOAT_MAX) { return PEL_E_RANGE; }
         int64_t whole = 0;
         int64_t frac = 0;
@@ -99,7 +94,7 @@ static pel_status_t choose_units(const pel_ils_t *s, const double *Q, rows_t *r)
 {
     r->unit_max = -1024;
     for (int i = 0; i < s->n; i++) {
-        const uint64_t bits = bits_of(&tri_row_const(Q, i)[i]);
+        const uint64_t bits = pel_f64_bits(tri_row_const(Q, i)[i]);
         if ((bits & ~(UINT64_C(1) << 63)) > VARIANCE_MAX) { return PEL_E_RANGE; }
         const int e = exponent_of(bits);
         if (e == 0 || bits >> 63 != 0) { return PEL_E_NOT_POSDEF; }
@@ -117,7 +112,7 @@ static pel_status_t take_covariance(pel_ils_t *s, const double *Q, rows_t *r)
         const int apart = r->unit_max - r->unit[i];
         if (apart > SPREAD_MAX) { return PEL_E_RANGE; }
         for (int j = 0; j <= i; j++, at++) {
-            const uint64_t bits = bits_of(&Q[at]);
+            const uint64_t bits = pel_f64_bits(Q[at]);
             const int right = 1022 + r->unit[i] + r->unit[j] - exponent_of(bits);
             if (right < 0) { /* above both deviations */
                 return (exponent_of(bits) == 0x7FF) ? PEL_E_RANGE : PEL_E_NOT_POSDEF;

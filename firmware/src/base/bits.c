@@ -131,7 +131,6 @@ int64_t pel_le_s(const uint8_t *p, unsigned n_bytes)
     return (int64_t)((pel_le_u(p, n_bytes) ^ sign) - sign);
 }
 
-/* The bits of a number are copied, never its struct or its pointer: IEEE 754 is asked for, byte order is not. */
 float pel_le_f32(const uint8_t *p)
 {
     const uint32_t bits = (uint32_t)pel_le_u(p, 4);
@@ -142,10 +141,7 @@ float pel_le_f32(const uint8_t *p)
 
 double pel_le_f64(const uint8_t *p)
 {
-    const uint64_t bits = pel_le_u(p, 8);
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
+    return pel_f64_from_bits(pel_le_u(p, 8));
 }
 
 void pel_le_put(uint8_t *p, unsigned n_bytes, uint64_t value)
@@ -165,9 +161,7 @@ void pel_le_put_f32(uint8_t *p, float value)
 
 void pel_le_put_f64(uint8_t *p, double value)
 {
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    pel_le_put(p, 8, bits);
+    pel_le_put(p, 8, pel_f64_bits(value));
 }
 
 int64_t pel_round_i64(double x)
@@ -184,8 +178,5 @@ int64_t pel_round_i64(double x)
 
 double pel_pow2(int n)
 {
-    const uint64_t bits = (uint64_t)(n + 1023) << 52;
-    double v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
+    return pel_f64_from_bits((uint64_t)(n + 1023) << 52);
 }

@@ -41,3 +41,11 @@ uint16_t pel_fletcher8(const uint8_t *p, size_t n)
     }
     return (uint16_t)((a << 8) | b);
 }
+
+uint32_t pel_fnv1a(const void *bytes, size_t n, uint32_t seed)
+{
+    const uint8_t *b = bytes;
+    uint32_t h = seed;
+    for (size_t i = 0; i < n; i++) { h = (h ^ b[i]) * UINT32_C(16777619); }
+    return h;
+}

@@ -42,7 +42,9 @@ void pel_earth_llh_to_ecef(double lat, double lon, double h, double r_e[3])
     double cos_lon;
     pel_sincos(lat, &sin_lat, &cos_lat);
     pel_sincos(lon, &sin_lon, &cos_lon);
-    const double R_N = PEL_WGS84_A / pel_sqrt(1.0 - PEL_WGS84_E2 * sin_lat * sin_lat);
+    double R_M;
+    double R_N;
+    pel_earth_radii_at(sin_lat, &R_M, &R_N);
     r_e[0] = (R_N + h) * cos_lat * cos_lon;
     r_e[1] = (R_N + h) * cos_lat * sin_lon;
     r_e[2] = (R_N * (1.0 - PEL_WGS84_E2) + h) * sin_lat;
@@ -78,11 +80,9 @@ void pel_earth_C_e_n(double lat, double lon, double C_e_n[3][3])
     }
 }
 
-void pel_earth_radii(double lat, double *R_M, double *R_N)
+void pel_earth_radii_at(double sin_lat, double *R_M, double *R_N)
 {
-    const double s = pel_sin(lat);
-    const double w2 = 1.0 - PEL_WGS84_E2 * s * s;
-    const double w = pel_sqrt(w2);
-    *R_M = PEL_WGS84_A * (1.0 - PEL_WGS84_E2) / (w2 * w);
-    *R_N = PEL_WGS84_A / w;
+    const double w2 = 1.0 - PEL_WGS84_E2 * sin_lat * sin_lat;
+    *R_N = PEL_WGS84_A / pel_sqrt(w2);
+    *R_M = *R_N * (1.0 - PEL_WGS84_E2) / w2;
 }

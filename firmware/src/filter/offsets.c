@@ -31,9 +31,7 @@ pel_status_t pel_propagate_offsets(const pel_model_t *m, const pel_drift_model_t
     if (height >= 0) {
         pel_real decay[PEL_MAX_STATES] = {PEL_R(0.0)};
         pel_real q[PEL_MAX_STATES] = {PEL_R(0.0)};
-        const double d = pel_exp(-dt_s / drift->tau_height_s) - 1.0;
-        decay[height] = (pel_real)d;
-        q[height] = (pel_real)(-drift->sd_height_m * drift->sd_height_m * d * (2.0 + d));
+        pel_model_markov(drift->sd_height_m, drift->tau_height_s, dt_s, &decay[height], &q[height]);
         return pel_ud_decay(ud, decay, q);
     }
     return PEL_OK;

@@ -12,9 +12,10 @@ typedef struct {
 static void place_at(double lat, double h, place_t *p)
 {
     pel_sincos(lat, &p->sin_lat, &p->cos_lat);
-    const double w2 = 1.0 - PEL_WGS84_E2 * p->sin_lat * p->sin_lat;
-    const double R_N = PEL_WGS84_A / pel_sqrt(w2);
-    p->M = R_N * (1.0 - PEL_WGS84_E2) / w2 + h;
+    double R_M;
+    double R_N;
+    pel_earth_radii_at(p->sin_lat, &R_M, &R_N);
+    p->M = R_M + h;
     p->N = R_N + h;
     /* gravity does not depend on longitude: take the meridian of Greenwich */
     const double r_e[3] = {p->N * p->cos_lat, 0.0, (R_N * (1.0 - PEL_WGS84_E2) + h) * p->sin_lat};

@@ -8,7 +8,7 @@ static const double ONE_OVER_LN2 = 0x1.71547652b82fep+0;
 
 static double infinity(void)
 {
-    return from_bits(UINT64_C(0x7FF0000000000000));
+    return pel_f64_from_bits(UINT64_C(0x7FF0000000000000));
 }
 
 /* e^x = 2^k e^r, |r| <= ln(2)/2; e^r = 1 + r + r^2 E(r), polynomial error 1.4e-17. */
@@ -33,7 +33,7 @@ double pel_exp(double x)
                                                         r * (0x1.2891d4ffbb0f9p-22 + r * 0x1.af390ba7e6f47p-26))))))));
     const double y = 1.0 + (hi + (r * r * p - lo));
     const int half = (int)k / 2; /* two factors: 2^k itself may be out of range where the result is not */
-    return y * power_of_two(half) * power_of_two((int)k - half);
+    return y * pel_pow2(half) * pel_pow2((int)k - half);
 }
 
 /* x = 2^k (1 + f), sqrt(1/2) < 1 + f < sqrt(2); with s = f / (2 + f),
@@ -49,10 +49,10 @@ double pel_log(double x)
         x *= 0x1p54;
         k = -54;
     }
-    uint64_t b = bits_of(x);
+    uint64_t b = pel_f64_bits(x);
     k += (int)(b >> 52) - 1023;
     b = (b & UINT64_C(0xFFFFFFFFFFFFF)) | UINT64_C(0x3FF0000000000000);
-    double m = from_bits(b);
+    double m = pel_f64_from_bits(b);
     if (m > 0x1.6a09e667f3bcdp+0) {
         m *= 0.5;
         k += 1;

@@ -23,6 +23,17 @@ double pel_unit3(const double a[3], double out[3])
     return n;
 }
 
+void pel_cross_matrix(const double a[3], double A[3][3])
+{
+    for (int i = 0; i < 3; i++) { A[i][i] = 0.0; }
+    A[0][1] = -a[2];
+    A[0][2] = a[1];
+    A[1][0] = a[2];
+    A[1][2] = -a[0];
+    A[2][0] = -a[1];
+    A[2][1] = a[0];
+}
+
 void pel_mat3_mul(const double A[3][3], const double B[3][3], double C[3][3])
 {
     for (int i = 0; i < 3; i++) {

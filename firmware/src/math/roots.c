@@ -29,13 +29,13 @@ double pel_sqrt_soft(double x); /* external for the test that compares it with t
  * exactly half way, so that bit decides alone. */
 double pel_sqrt_soft(double x)
 {
-    uint64_t b = bits_of(x);
+    uint64_t b = pel_f64_bits(x);
     if (x == 0.0 || b == UINT64_C(0x7FF0000000000000)) { return x; }
     if (!(x > 0.0)) { return not_a_number(); }
 
     int e = (int)(b >> 52);
     if (e == 0) { /* subnormal: scale by 2^54 first */
-        b = bits_of(x * 18014398509481984.0);
+        b = pel_f64_bits(x * 18014398509481984.0);
         e = (int)(b >> 52) - 54;
     }
     uint64_t m = (b & UINT64_C(0xFFFFFFFFFFFFF)) | UINT64_C(0x10000000000000);
@@ -58,7 +58,7 @@ double pel_sqrt_soft(double x)
         }
     }
     const uint64_t rounded = (root + 1u) >> 1; /* 53 bits, or 2^53, which carries into the exponent below */
-    return from_bits(((uint64_t)(e / 2 + 1022) << 52) + rounded);
+    return pel_f64_from_bits(((uint64_t)(e / 2 + 1022) << 52) + rounded);
 }
 
 double pel_sqrt(double x)
@@ -105,5 +105,5 @@ double pel_round(double x)
 
 bool pel_isfinite(double x)
 {
-    return (bits_of(x) & UINT64_C(0x7FF0000000000000)) != UINT64_C(0x7FF0000000000000);
+    return (pel_f64_bits(x) & UINT64_C(0x7FF0000000000000)) != UINT64_C(0x7FF0000000000000);
 }

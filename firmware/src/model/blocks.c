@@ -95,17 +95,20 @@ void pel_model_sensor_sd(const pel_model_t *m, pel_real sd[PEL_MAX_STATES])
     }
 }
 
-static void markov(const pel_model_t *m, pel_block_t block, double sd, double tau, double dt_s, pel_real decay[],
+void pel_model_markov(double sd, double tau_s, double dt_s, pel_real *decay, pel_real *q)
+{
+    const double x = -dt_s / tau_s;
+    /* exp(x) - 1 by its series while small: the difference would lose digits */
+    const double d = (x > -0.01) ? x * (1.0 + 0.5 * x * (1.0 + x * (1.0 / 3.0) * (1.0 + 0.25 * x))) : pel_exp(x) - 1.0;
+    *decay = (pel_real)d;
+    *q = (pel_real)(-sd * sd * d * (2.0 + d)); /* sd^2 (1 - (1 + d)^2) */
+}
+
+static void markov(const pel_model_t *m, pel_block_t block, double sd, double tau_s, double dt_s, pel_real decay[],
                    pel_real q[])
 {
     const int first = pel_model_index(m, block);
-    const double x = -dt_s / tau;
-    /* exp(x) - 1 by its series while small: the difference would lose digits */
-    const double d = (x > -0.01) ? x * (1.0 + 0.5 * x * (1.0 + x * (1.0 / 3.0) * (1.0 + 0.25 * x))) : pel_exp(x) - 1.0;
-    for (int i = 0; i < 3 && first >= 0; i++) {
-        decay[first + i] = (pel_real)d;
-        q[first + i] = (pel_real)(-sd * sd * d * (2.0 + d)); /* sd^2 (1 - (1 + d)^2) */
-    }
+    for (int i = 0; i < 3 && first >= 0; i++) { pel_model_markov(sd, tau_s, dt_s, &decay[first + i], &q[first + i]); }
 }
 
 void pel_model_slow(const pel_model_t *m, double dt_s, pel_real decay[PEL_MAX_STATES], pel_real q[PEL_MAX_STATES])

@@ -9,12 +9,12 @@
 
 typedef pel_real mat3[3][3];
 
-static mat3 *add_block(pel_transition_t *t, int row, int col)
+pel_real (*pel_transition_add(pel_transition_t *t, int row, int col))[3]
 {
     const int k = t->n_blocks++;
     t->block[k].row = (uint8_t)row;
     t->block[k].col = (uint8_t)col;
-    return &t->block[k].m;
+    return t->block[k].m;
 }
 
 /* out = a A + b W B, W = [omega_ie x]: rows of W B are -omega B_y, omega B_x, 0 */
@@ -68,9 +68,9 @@ static void attitude_rows(const pel_model_t *m, const mat3 C, pel_real dt, pel_t
     const int psi = pel_model_index(m, PEL_BLOCK_ATTITUDE);
     const int gyro[2] = {pel_model_index(m, PEL_BLOCK_GYRO_CONSTANT), pel_model_index(m, PEL_BLOCK_GYRO_MARKOV)};
     for (int k = 0; k < 2; k++) {
-        if (gyro[k] >= 0) { combine(dt, C, PEL_R(-0.5) * dt * dt, C, *add_block(t, psi, gyro[k])); }
+        if (gyro[k] >= 0) { combine(dt, C, PEL_R(-0.5) * dt * dt, C, pel_transition_add(t, psi, gyro[k])); }
     }
-    turn(PEL_R(0.0), -dt, PEL_R(0.5) * dt * dt, *add_block(t, psi, psi));
+    turn(PEL_R(0.0), -dt, PEL_R(0.5) * dt * dt, pel_transition_add(t, psi, psi));
 }
 
 /* v' = -2 W v - [f x] psi + C am + G r; second order: -[f x] C gyro, ([f x] W + 2 W [f x]) psi, (4 W W + G) v, -2 W C am, -2 W G r */
@@ -86,25 +86,25 @@ static void velocity_rows(const pel_model_t *m, const pel_real *f, const mat3 C,
 
     if (psi >= 0) {
         for (int k = 0; k < 2; k++) {
-            if (gyro[k] >= 0) { cross_times(-half, f, C, *add_block(t, v, gyro[k])); }
+            if (gyro[k] >= 0) { cross_times(-half, f, C, pel_transition_add(t, v, gyro[k])); }
         }
         for (int k = 0; k < 2; k++) {
-            if (accel[k] >= 0) { combine(dt, C, -dt * dt, C, *add_block(t, v, accel[k])); }
+            if (accel[k] >= 0) { combine(dt, C, -dt * dt, C, pel_transition_add(t, v, accel[k])); }
         }
         const mat3 S = {{PEL_R(0.0), -f[2], f[1]}, {f[2], PEL_R(0.0), -f[0]}, {-f[1], f[0], PEL_R(0.0)}};
-        mat3 *b = add_block(t, v, psi);
-        combine(-dt, S, PEL_R(2.0) * half, S, *b);
+        pel_real(*b)[3] = pel_transition_add(t, v, psi);
+        combine(-dt, S, PEL_R(2.0) * half, S, b);
         for (int i = 0; i < 3; i++) { /* + half S W: columns of S W are omega S_y, -omega S_x, 0 */
-            (*b)[i][0] += half * OMEGA * S[i][1];
-            (*b)[i][1] -= half * OMEGA * S[i][0];
+            b[i][0] += half * OMEGA * S[i][1];
+            b[i][1] -= half * OMEGA * S[i][0];
         }
     }
-    mat3 *vv = add_block(t, v, v);
-    turn(PEL_R(0.0), PEL_R(-2.0) * dt, PEL_R(4.0) * half, *vv);
+    pel_real(*vv)[3] = pel_transition_add(t, v, v);
+    turn(PEL_R(0.0), PEL_R(-2.0) * dt, PEL_R(4.0) * half, vv);
     for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) { (*vv)[i][j] += half * G[i][j]; }
+        for (int j = 0; j < 3; j++) { vv[i][j] += half * G[i][j]; }
     }
-    if (r >= 0) { combine(dt, G, PEL_R(-2.0) * half, G, *add_block(t, v, r)); }
+    if (r >= 0) { combine(dt, G, PEL_R(-2.0) * half, G, pel_transition_add(t, v, r)); }
 }
 
 /* r' = v; second order: -2 W v, -[f x] psi, C am, G r */
@@ -120,13 +120,13 @@ static void position_rows(const pel_model_t *m, const pel_real *f, const mat3 C,
 
     if (psi >= 0) {
         for (int k = 0; k < 2; k++) {
-            if (accel[k] >= 0) { combine(half, C, PEL_R(0.0), zero, *add_block(t, r, accel[k])); }
+            if (accel[k] >= 0) { combine(half, C, PEL_R(0.0), zero, pel_transition_add(t, r, accel[k])); }
         }
         const mat3 identity = {{PEL_R(1.0), 0, 0}, {0, PEL_R(1.0), 0}, {0, 0, PEL_R(1.0)}};
-        cross_times(-half, f, identity, *add_block(t, r, psi));
+        cross_times(-half, f, identity, pel_transition_add(t, r, psi));
     }
-    turn(dt, PEL_R(-2.0) * half, PEL_R(0.0), *add_block(t, r, v));
-    combine(half, G, PEL_R(0.0), zero, *add_block(t, r, r));
+    turn(dt, PEL_R(-2.0) * half, PEL_R(0.0), pel_transition_add(t, r, v));
+    combine(half, G, PEL_R(0.0), zero, pel_transition_add(t, r, r));
 }
 
 void pel_model_transition(const pel_model_t *m, const double f_e[3], const double C_b_e[3][3], const double r_e[3],

@@ -27,14 +27,15 @@ static void local_at(const double v_enu[3], double lat, double h, local_t *l)
 {
     double sin_lat;
     double cos_lat;
+    double R_M;
+    double R_N;
     pel_sincos(lat, &sin_lat, &cos_lat);
     l->s = (pel_real)sin_lat;
     l->c = (pel_real)cos_lat;
     l->t = l->s / l->c;
-    const pel_real w2 = PEL_R(1.0) - (pel_real)PEL_WGS84_E2 * l->s * l->s;
-    const pel_real R_N = (pel_real)PEL_WGS84_A / pel_sqrtr(w2);
-    l->N = R_N + (pel_real)h;
-    l->M = R_N * (pel_real)(1.0 - PEL_WGS84_E2) / w2 + (pel_real)h;
+    pel_earth_radii_at(sin_lat, &R_M, &R_N);
+    l->N = (pel_real)(R_N + h);
+    l->M = (pel_real)(R_M + h);
     for (int i = 0; i < 3; i++) { l->v[i] = (pel_real)v_enu[i]; }
     l->w_ie[0] = PEL_R(0.0);
     l->w_ie[1] = (pel_real)PEL_OMEGA_IE * l->c;
@@ -130,32 +131,19 @@ static void dynamics(const local_t *l, const double f_enu[3], const double C_b_e
     position_rows(l, d);
 }
 
-/* A block of Phi - I: first dt + second dt^2 / 2. */
-static mat3 *add_block(pel_transition_t *t, int row, int col)
-{
-    const int k = t->n_blocks++;
-    t->block[k].row = (uint8_t)row;
-    t->block[k].col = (uint8_t)col;
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) { t->block[k].m[i][j] = PEL_R(0.0); }
-    }
-    return &t->block[k].m;
-}
-
 /* Blocks of row x (PSI, V, R) for two sensor blocks that enter the row `entry` of F through C. */
-static void sensor_blocks(const pel_model_t *m, const dynamics_t *d, int x, int row, int entry, pel_block_t first,
+static void sensor_blocks(const pel_model_t *m, const dynamics_t *d, int x, int row, int entry, pel_block_t kind,
                           pel_real dt, pel_transition_t *t)
 {
     for (int k = 0; k < 2; k++) {
-        const int sensor = pel_model_index(m, (pel_block_t)((int)first + k)); /* constant, then Markov */
+        const int sensor = pel_model_index(m, (pel_block_t)((int)kind + k)); /* constant, then Markov */
         if (sensor < 0) { continue; }
-        mat3 *b = add_block(t, row, sensor);
-        if (x == entry) {
-            for (int i = 0; i < 3; i++) {
-                for (int j = 0; j < 3; j++) { (*b)[i][j] = dt * d->C[i][j]; }
-            }
+        pel_real(*b)[3] = pel_transition_add(t, row, sensor);
+        const pel_real first = (x == entry) ? dt : PEL_R(0.0);
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++) { b[i][j] = first * d->C[i][j]; }
         }
-        add_product(PEL_R(0.5) * dt * dt, d->F[x][entry], d->C, *b);
+        add_product(PEL_R(0.5) * dt * dt, d->F[x][entry], d->C, b);
     }
 }
 
@@ -178,11 +166,11 @@ void pel_model_transition_enu(const pel_model_t *m, const double f_enu[3], const
         if (x != R) { sensor_blocks(m, &d, x, row[x], PSI, PEL_BLOCK_GYRO_CONSTANT, dt, t); }
         if (x != PSI) { sensor_blocks(m, &d, x, row[x], V, PEL_BLOCK_ACCEL_CONSTANT, dt, t); }
         for (int y = PSI; y <= R; y++) {
-            mat3 *b = add_block(t, row[x], row[y]);
+            pel_real(*b)[3] = pel_transition_add(t, row[x], row[y]);
             for (int i = 0; i < 3; i++) {
-                for (int j = 0; j < 3; j++) { (*b)[i][j] = dt * d.F[x][y][i][j]; }
+                for (int j = 0; j < 3; j++) { b[i][j] = dt * d.F[x][y][i][j]; }
             }
-            for (int k = PSI; k <= R; k++) { add_product(PEL_R(0.5) * dt * dt, d.F[x][k], d.F[k][y], *b); }
+            for (int k = PSI; k <= R; k++) { add_product(PEL_R(0.5) * dt * dt, d.F[x][k], d.F[k][y], b); }
         }
     }
     for (int i = 0; i < 3; i++) {

@@ -51,22 +51,12 @@ void pel_nav_turn_row(const pel_nav_axes_t *axes, const pel_antenna_t *ant, pel_
 
 /* ---- from one to the other ---------------------------------------------------------------------------------------------- */
 
-static void add_block(pel_transition_t *t, int row, int col, const double A[3][3])
+void pel_nav_add_block(pel_transition_t *t, int row, int col, const double A[3][3])
 {
-    const int k = t->n_blocks++;
-    t->block[k].row = (uint8_t)row;
-    t->block[k].col = (uint8_t)col;
+    pel_real(*m)[3] = pel_transition_add(t, row, col);
     for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) {
-            t->block[k].m[i][j] = (pel_real)(A[i][j] - ((row == col && i == j) ? 1.0 : 0.0));
-        }
+        for (int j = 0; j < 3; j++) { m[i][j] = (pel_real)(A[i][j] - ((row == col && i == j) ? 1.0 : 0.0)); }
     }
-}
-
-static void cross_matrix(const double a[3], double A[3][3])
-{
-    const double S[3][3] = {{0.0, -a[2], a[1]}, {a[2], 0.0, -a[0]}, {-a[1], a[0], 0.0}};
-    memcpy(A, S, sizeof S);
 }
 
 /* x_to = Phi x_from, C from the old axes to the new ones. W: what a position error turns local axes by, on the old position states, resolved
@@ -81,25 +71,26 @@ static pel_status_t turn_states(pel_navigator_t *nav, const double C[3][3], cons
     pel_transition_t t;
     memset(&t, 0, sizeof t);
     t.n = nav->model.n;
-    cross_matrix(minus_v, V);
+    pel_cross_matrix(minus_v, V);
     pel_mat3_mul(V, W, VW);
-    add_block(&t, i_psi, i_psi, C);
-    add_block(&t, i_psi, i_r, W);
-    add_block(&t, i_v, i_v, C);
-    add_block(&t, i_v, i_r, VW);
-    add_block(&t, i_r, i_r, C);
+    pel_nav_add_block(&t, i_psi, i_psi, C);
+    pel_nav_add_block(&t, i_psi, i_r, W);
+    pel_nav_add_block(&t, i_v, i_v, C);
+    pel_nav_add_block(&t, i_v, i_r, VW);
+    pel_nav_add_block(&t, i_r, i_r, C);
     return pel_ud_time_update(&nav->ud, &t);
 }
 
 static pel_status_t change(pel_navigator_t *nav, double lat, double lon, double h, bool to_local)
 {
     const pel_strapdown_t *s = &nav->at_horizon;
-    double C_e_enu[3][3], C_enu_e[3][3], v_enu[3], W[3][3], M, N;
+    double C_e_enu[3][3], C_enu_e[3][3], v_enu[3], W[3][3], M, N, sin_lat, cos_lat;
     pel_earth_C_e_enu(lat, lon, C_e_enu);
     pel_mat3_transpose(C_e_enu, C_enu_e);
-    pel_earth_radii(lat, &M, &N);
+    pel_sincos(lat, &sin_lat, &cos_lat);
+    pel_earth_radii_at(sin_lat, &M, &N);
     const double T[3][3] = {
-        {0.0, -1.0 / (M + h), 0.0}, {1.0 / (N + h), 0.0, 0.0}, {pel_sin(lat) / (pel_cos(lat) * (N + h)), 0.0, 0.0}};
+        {0.0, -1.0 / (M + h), 0.0}, {1.0 / (N + h), 0.0, 0.0}, {sin_lat / (cos_lat * (N + h)), 0.0, 0.0}};
     if (!to_local) {
         pel_mat3_mul(C_enu_e, T, W);
         return turn_states(nav, C_enu_e, W, s->v_eb_e);

@@ -180,7 +180,7 @@ static void correct_local(pel_navigator_t *nav, const pel_real *dr, const pel_re
     pel_strapdown_enu_t enu;
     double M, N;
     if (pel_strapdown_to_enu(s, &enu) != PEL_OK) { return; } /* not this near to a pole: pel_nav_choose_axes() */
-    pel_earth_radii(enu.lat, &M, &N);
+    pel_earth_radii_at(pel_sin(enu.lat), &M, &N);
     for (int k = 0; k < 3; k++) { enu.v_eb_enu[k] -= (double)dv[k]; }
     turn_back(psi, enu.C_b_enu);
     enu.lon -= (double)dr[0] / ((N + enu.h) * pel_cos(enu.lat));

@@ -47,6 +47,9 @@ void pel_nav_axes(const pel_navigator_t *nav, pel_nav_axes_t *axes);
 /* Covariance of two vector states that begin at i and j, in e. */
 void pel_nav_block_e(const pel_navigator_t *nav, const pel_nav_axes_t *axes, int i, int j, double P[3][3]);
 
+/* Block A of Phi at (row, col). */
+void pel_nav_add_block(pel_transition_t *t, int row, int col, const double A[3][3]);
+
 /* A row made in e becomes one on the filter's states. */
 void pel_nav_turn_row(const pel_nav_axes_t *axes, const pel_antenna_t *ant, pel_row_t *row);
 

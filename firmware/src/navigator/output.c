@@ -3,6 +3,7 @@
 
 #include "internal.h"
 
+#include "pelorus/bits.h"
 #include "pelorus/earth.h"
 #include "pelorus/math.h"
 

@@ -188,24 +188,13 @@ static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
     return true;
 }
 
-static void put_cross_block(pel_transition_t *t, int row, int col, const double a[3])
-{
-    const double A[3][3] = {{0.0, -a[2], a[1]}, {a[2], 0.0, -a[0]}, {-a[1], a[0], 0.0}};
-    t->block[t->n_blocks].row = (uint8_t)row;
-    t->block[t->n_blocks].col = (uint8_t)col;
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < 3; j++) { t->block[t->n_blocks].m[i][j] = (pel_real)A[i][j]; }
-    }
-    t->n_blocks++;
-}
-
 /* State and covariance of the antenna become those of the IMU: r_b = r_a - C l, so dr_b = dr_a + [C l x] psi; velocity alike
  * with the arm's rate. Without these terms a well-known antenna would make a vague attitude look as well known. */
 static pel_status_t antenna_to_imu(pel_navigator_t *nav)
 {
     pel_antenna_t ant;
     pel_transition_t t;
-    double f_ib_b[3], r_e[3], v_e[3];
+    double f_ib_b[3], r_e[3], v_e[3], A[3][3];
     (void)pel_nav_ring_mean(nav, nav->at_horizon.t_ns, RATE_SPAN_S, f_ib_b, nav->omega_ib_b);
     for (int k = 0; k < 3; k++) { nav->omega_ib_b[k] -= nav->errors.gyro_constant[k]; }
     pel_nav_antenna(nav, &ant, r_e, v_e);
@@ -215,8 +204,10 @@ static pel_status_t antenna_to_imu(pel_navigator_t *nav)
     }
     memset(&t, 0, sizeof t);
     t.n = nav->model.n;
-    put_cross_block(&t, ant.i_v, ant.i_psi, ant.lever_rate_e);
-    put_cross_block(&t, ant.i_r, ant.i_psi, ant.lever_e);
+    pel_cross_matrix(ant.lever_rate_e, A);
+    pel_nav_add_block(&t, ant.i_v, ant.i_psi, A);
+    pel_cross_matrix(ant.lever_e, A);
+    pel_nav_add_block(&t, ant.i_r, ant.i_psi, A);
     return pel_ud_time_update(&nav->ud, &t);
 }
 

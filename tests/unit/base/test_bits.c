@@ -32,6 +32,12 @@ static void crc24q_equals_its_polynomial(void)
     TEST_ASSERT_EQUAL_HEX32(crc & 0xFFFFFFu, pel_crc24q(pel_crc24q(0, p, 20), p + 20, sizeof p - 20));
 }
 
+static void fnv1a_of_a_published_vector(void)
+{
+    TEST_ASSERT_EQUAL_HEX32(0xbf9cf968u, pel_fnv1a("foobar", 6, PEL_FNV_START));
+    TEST_ASSERT_EQUAL_HEX32(0xbf9cf968u, pel_fnv1a("bar", 3, pel_fnv1a("foo", 3, PEL_FNV_START)));
+}
+
 static void crc32_equals_its_polynomial(void)
 {
     uint8_t p[64];
@@ -222,6 +228,7 @@ int main(void)
     UNITY_BEGIN();
     RUN_TEST(crc24q_of_the_check_string);
     RUN_TEST(crc24q_equals_its_polynomial);
+    RUN_TEST(fnv1a_of_a_published_vector);
     RUN_TEST(crc32_equals_its_polynomial);
     RUN_TEST(fletcher_of_an_acknowledge);
     RUN_TEST(fields_at_any_position_and_width);

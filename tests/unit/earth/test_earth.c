@@ -162,7 +162,7 @@ static void local_frames_point_where_they_say(void)
         double R_N;
         pel_earth_C_e_enu(lat, lon, enu);
         pel_earth_C_e_n(lat, lon, ned);
-        pel_earth_radii(lat, &R_M, &R_N);
+        pel_earth_radii_at(pel_sin(lat), &R_M, &R_N);
         pel_earth_llh_to_ecef(lat, lon, 0.0, a);
         pel_earth_llh_to_ecef(lat + 1e-6, lon + 1e-6, 0.5, b);
         for (int i = 0; i < 3; i++) { d[i] = b[i] - a[i]; }

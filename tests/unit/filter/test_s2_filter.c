@@ -60,7 +60,7 @@ static void local_error(const pel_strapdown_t *wrong, const pel_strapdown_t *tru
     double M, N_radius, turned[3][3];
     TEST_ASSERT_EQUAL(PEL_OK, pel_strapdown_to_enu(wrong, &w));
     TEST_ASSERT_EQUAL(PEL_OK, pel_strapdown_to_enu(truth, &t));
-    pel_earth_radii(t.lat, &M, &N_radius);
+    pel_earth_radii_at(pel_sin(t.lat), &M, &N_radius);
     pel_mat3_mult(w.C_b_enu, t.C_b_enu, turned);
     pel_dcm_to_rotvec(turned, x);
     for (int i = 0; i < 3; i++) { x[3 + i] = w.v_eb_enu[i] - t.v_eb_enu[i]; }

@@ -153,7 +153,7 @@ static void start(system_t *x, const motion_t *m, const pel_imu_model_t *imu, rn
 static void feed_back(system_t *x)
 {
     double psi[3], M, N_radius;
-    pel_earth_radii(x->s.lat, &M, &N_radius);
+    pel_earth_radii_at(pel_sin(x->s.lat), &M, &N_radius);
     for (int i = 0; i < 3; i++) {
         psi[i] = (double)x->ud.x[PSI + i];
         x->s.v_eb_enu[i] -= (double)x->ud.x[V + i];
