@@ -27,7 +27,9 @@ static void fields(pel_leio_t *io, pel_imu_t *imu)
         double *const v = (i < 3) ? &imu->alpha_ib_b[i] : &imu->upsilon_ib_b[i - 3];
         const int pow2 = (i < 3) ? ALPHA_POW2 : UPSILON_POW2;
         int64_t raw = pel_round_i64(*v * pel_pow2(-pow2));
-        if (raw > INT32_MAX) { raw = INT32_MAX; } /* a value just below the bound rounds up to it */
+        /* a value just inside the bound rounds to it */
+        if (raw > INT32_MAX) { raw = INT32_MAX; }
+        if (raw < -INT32_MAX) { raw = -INT32_MAX; }
         int32_t count = (int32_t)raw;
         pel_le_io_i32(io, &count);
         *v = (double)count * pel_pow2(pow2);

@@ -37,6 +37,7 @@ static void expect_payload(size_t n, size_t n_frame)
 #define USED_BYTES     89u
 #define COUNTERS_BYTES 272u
 #define EVENT_BYTES    97u
+#define WARM_BYTES     (13u + 4u * PEL_N_SNAP)
 
 static void solutions_return(void)
 {
@@ -172,6 +173,69 @@ static void a_snapshot_verdict_returns(void)
     TEST_ASSERT_EQUAL_INT(PEL_E_FORMAT, pel_out_decode_warm(frame + 6, n - PEL_OUT_OVERHEAD - 1, &back));
 }
 
+/* A payload of another length than its own is refused and leaves what was there; a buffer one byte too short takes nothing. */
+static void lengths_are_exact(void)
+{
+    const pel_nav_counters_t nav = {.epochs_used = 7};
+    const pel_wire_counters_t w = {.frames = 3};
+    const pel_used_t used = {.t_ns = T0};
+    const pel_event_t event = {.t_ns = T0};
+    const pel_warm_report_t warm = {.t_ns = T0};
+    for (int off = -1; off <= 1; off++) {
+        pel_nav_counters_t nav_back = {.epochs_used = 99};
+        pel_wire_counters_t w_back[3] = {{.frames = 99}, {0}, {0}};
+        pel_used_t used_back = {.t_ns = 99};
+        pel_event_t event_back = {.t_ns = 99};
+        pel_warm_report_t warm_back = {.t_ns = 99};
+        pel_time_t t = 99;
+        const size_t more = (size_t)(off + 1);
+        const pel_status_t want = (off == 0) ? PEL_OK : PEL_E_FORMAT;
+        const int64_t time = (off == 0) ? T0 : 99;
+
+        TEST_ASSERT_EQUAL_INT(COUNTERS_BYTES + 9, pel_out_encode_counters(&nav, &w, &w, &w, T0, frame, sizeof frame));
+        TEST_ASSERT_EQUAL_INT(want, pel_out_decode_counters(frame + 6, COUNTERS_BYTES - 1 + more, &nav_back, &w_back[0],
+                                                            &w_back[1], &w_back[2], &t));
+        TEST_ASSERT_EQUAL_INT64(time, t);
+        TEST_ASSERT_EQUAL_UINT32((off == 0) ? 7 : 99, nav_back.epochs_used);
+        TEST_ASSERT_EQUAL_UINT32((off == 0) ? 3 : 99, w_back[0].frames);
+        TEST_ASSERT_EQUAL_INT(USED_BYTES + 9, pel_out_encode_used(&used, frame, sizeof frame));
+        TEST_ASSERT_EQUAL_INT(want, pel_out_decode_used(frame + 6, USED_BYTES - 1 + more, &used_back));
+        TEST_ASSERT_EQUAL_INT64(time, used_back.t_ns);
+        TEST_ASSERT_EQUAL_INT(EVENT_BYTES + 9, pel_out_encode_event(&event, frame, sizeof frame));
+        TEST_ASSERT_EQUAL_INT(want, pel_out_decode_event(frame + 6, EVENT_BYTES - 1 + more, &event_back));
+        TEST_ASSERT_EQUAL_INT64(time, event_back.t_ns);
+        TEST_ASSERT_EQUAL_INT(WARM_BYTES + 9, pel_out_encode_warm(&warm, frame, sizeof frame));
+        TEST_ASSERT_EQUAL_INT(want, pel_out_decode_warm(frame + 6, WARM_BYTES - 1 + more, &warm_back));
+        TEST_ASSERT_EQUAL_INT64(time, warm_back.t_ns);
+    }
+    for (size_t cap = 0; cap < COUNTERS_BYTES + 9; cap++) {
+        TEST_ASSERT_EQUAL_size_t(0, pel_out_encode_counters(&nav, &w, &w, &w, T0, frame, cap));
+        TEST_ASSERT_EQUAL((cap < USED_BYTES + 9) ? 0 : USED_BYTES + 9, pel_out_encode_used(&used, frame, cap));
+        TEST_ASSERT_EQUAL((cap < EVENT_BYTES + 9) ? 0 : EVENT_BYTES + 9, pel_out_encode_event(&event, frame, cap));
+        TEST_ASSERT_EQUAL((cap < WARM_BYTES + 9) ? 0 : WARM_BYTES + 9, pel_out_encode_warm(&warm, frame, cap));
+    }
+}
+
+static void a_report_of_satellites_is_as_long_as_its_count_says(void)
+{
+    const size_t bytes = 10u + 2u * PEL_OUT_SAT_BYTES;
+    pel_time_t t = 99;
+    int n = 99;
+    memset(sats, 0, sizeof sats);
+    for (size_t cap = 0; cap < bytes + PEL_OUT_OVERHEAD; cap++) {
+        TEST_ASSERT_EQUAL_size_t(0, pel_out_encode_sats(T0, sats, 2, frame, cap));
+    }
+    TEST_ASSERT_EQUAL_size_t(bytes + PEL_OUT_OVERHEAD, pel_out_encode_sats(T0, sats, 2, frame, sizeof frame));
+    for (size_t length = 0; length <= bytes + PEL_OUT_SAT_BYTES; length++) {
+        if (length == bytes) { continue; }
+        TEST_ASSERT_EQUAL_INT(PEL_E_FORMAT, pel_out_decode_sats(frame + 6, length, &t, sats_back, &n));
+        TEST_ASSERT_EQUAL_INT64(99, t);
+        TEST_ASSERT_EQUAL_INT(99, n);
+    }
+    TEST_ASSERT_EQUAL_INT(PEL_OK, pel_out_decode_sats(frame + 6, bytes, &t, sats_back, &n));
+    TEST_ASSERT_EQUAL_INT(2, n);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -180,6 +244,8 @@ int main(void)
     RUN_TEST(used_counters_and_events_return);
     RUN_TEST(a_snapshot_verdict_returns);
     RUN_TEST(satellites_return);
+    RUN_TEST(lengths_are_exact);
+    RUN_TEST(a_report_of_satellites_is_as_long_as_its_count_says);
     RUN_TEST(the_reader_finds_frames_among_text);
     RUN_TEST(sentences_fit_or_are_refused);
     return UNITY_END();
