@@ -43,9 +43,17 @@ static void read_preset(config_file_t *c, pel_nav_config_t *cfg)
     static const struct {
         const char *name;
         pel_preset_t preset;
-    } NAMES[] = {{"auto", PEL_PRESET_AUTO},  {"single", PEL_PRESET_SINGLE},         {"rtk", PEL_PRESET_RTK},
-                 {"gnss", PEL_PRESET_RTK},   {"ins-single", PEL_PRESET_INS_SINGLE}, {"ins-rtk", PEL_PRESET_INS_RTK},
-                 {"s5", PEL_PRESET_INS_RTK}, {"ins-float", PEL_PRESET_INS_FLOAT},   {"s2", PEL_PRESET_INS_FLOAT}};
+    } NAMES[] = {{"auto", PEL_PRESET_AUTO},
+                 {"single", PEL_PRESET_SINGLE},
+                 {"rtk", PEL_PRESET_RTK},
+                 {"gnss", PEL_PRESET_RTK},
+                 {"ins-single", PEL_PRESET_INS_SINGLE},
+                 {"ins-rtk", PEL_PRESET_INS_RTK},
+                 {"s5", PEL_PRESET_INS_RTK},
+                 {"ins-float", PEL_PRESET_INS_FLOAT},
+                 {"s2", PEL_PRESET_INS_FLOAT},
+                 {"ins-tdcp", PEL_PRESET_INS_TDCP},
+                 {"s3", PEL_PRESET_INS_TDCP}};
     const char *name = config_file_string(c, "navigator.preset", "auto");
     for (size_t i = 0; i < sizeof NAMES / sizeof NAMES[0]; i++) {
         if (strcmp(name, NAMES[i].name) == 0) {
@@ -53,7 +61,8 @@ static void read_preset(config_file_t *c, pel_nav_config_t *cfg)
             return;
         }
     }
-    config_file_complain(c, "navigator.preset", "is one of auto, single, rtk, ins-single, ins-rtk, ins-float");
+    config_file_complain(c, "navigator.preset",
+                         "is one of auto, single, rtk, ins-single, ins-rtk, ins-float, ins-tdcp");
 }
 
 static void read_general(config_file_t *c, pel_nav_config_t *cfg)
@@ -188,6 +197,8 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
         config_file_complain(c, "navigator.gnss.ionosphere", "is one of broadcast, none");
     }
     cfg->single_code_tau_s = within(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s, 0.0, 1e5);
+    cfg->single_lasting_tau_s = within(c, "navigator.gnss.single_lasting_tau_s", cfg->single_lasting_tau_s, 0.0, 1e5);
+    cfg->single_path_m_rts = within(c, "navigator.gnss.single_path_m_rts", cfg->single_path_m_rts, 0.0, 1.0);
     cfg->code_tau_s = within(c, "navigator.gnss.code_tau_s", cfg->code_tau_s, 0.0, 1e5);
     cfg->phase_tau_s = within(c, "navigator.gnss.phase_tau_s", cfg->phase_tau_s, 0.0, 1e5);
     cfg->float_code = config_file_bool(c, "navigator.gnss.float_code", cfg->float_code);

@@ -74,6 +74,16 @@ def test_walk_coasts_through_twenty_seconds(rows):
     assert with_imu["gap_h_max_m"] < 5.0
 
 
+def test_walk_with_phases_knows_how_far_it_came(rows):
+    """North and east, against the receiver's own RTK, whose walking antenna is no better than this: standing, ours moves by a millimetre."""
+    f = rows["walk, with phases"]["ours"]
+    assert f["moved"]["1"]["n"] > 200 and f["moved"]["10"]["n"] > 180
+    assert max(f["moved"]["1"]["ned_m"][:2]) <= 0.02
+    assert max(f["moved"]["10"]["ned_m"][:2]) <= 0.06 and f["moved"]["10"]["ned_m"][2] <= 0.12
+    assert f["h_rms_m"] < 0.5 * rows["walk-imu-ubx-2025"]["ours"]["h_rms_m"]
+    assert max(f["v_rms_mps"]) < max(rows["walk-imu-ubx-2025"]["ours"]["v_rms_mps"])
+
+
 def fixed_of(rows, name):
     f = rows[name]["ours"]
     return f["fixed"], f.get("wrong", 0)

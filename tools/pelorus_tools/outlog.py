@@ -10,7 +10,7 @@ from pelorus_tools import eventlog, frames
 from pelorus_tools.cli import UnreadableError
 from pelorus_tools.gpstime import text
 
-PRESETS = ("auto", "single", "rtk", "ins-single", "ins-rtk", "ins-float")
+PRESETS = ("auto", "single", "rtk", "ins-single", "ins-rtk", "ins-float", "ins-tdcp")
 
 
 class Run:

@@ -119,6 +119,8 @@ def words(f):
         parts.append(f"{f['h_rms_m']:.2f} m rms horizontal{same}")
     if "vh_rms_mps" in f:
         parts.append(f"velocity {numbers(f['v_rms_mps'], 3)} m/s rms NED")
+    for span_s, d in f.get("moved", {}).items():
+        parts.append(f"moved in {span_s} s: {numbers(d['ned_m'], 1, 100.0)} cm rms NED off")
     if "h_median_m" in f:
         parts.append(f"{100 * f['h_median_m']:.1f} cm median to {f['compared']} fixes of the receiver, {f['far']} beyond 0.5 m")
     if "step_max_m" in f:

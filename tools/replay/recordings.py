@@ -69,6 +69,14 @@ accel_markov_ug = 3000
 [navigator.mount]
 lever_arm_m = [0.0, 0.05, 0.0]
 """
+# With its own phases. The track is the antenna's, and so is ours with the arm left out: that turns with an IMU whose axes nobody measured.
+WALK_TDCP = """[navigator]
+preset = "ins-tdcp"
+output_hz = 20
+[navigator.imu]
+model = "mems"
+accel_markov_ug = 3000
+"""
 WALK_GNSS = """[navigator]
 preset = "single"
 output_hz = 20
@@ -87,6 +95,13 @@ def walk_known(track, data):
     if "v_rms_mps" in f:  # RTKLIB's positions come without velocities
         f["v_receiver_rms_mps"] = f["v_rms_mps"]
         f["v_rms_mps"] = tracks.against_displacements(track, reference)
+    return f
+
+
+def walk_displacements(track, data):
+    """How far the antenna came in 1 and 10 s, against the receiver's RTK track while both its ends are fixed and the INS runs."""
+    f = walk_known(track, data)
+    f["moved"] = {span_s: tracks.moved(track, walk_truth(data), span_s) for span_s in (1, 10)}
     return f
 
 
@@ -270,6 +285,7 @@ ALL = [
     Recording("geonet-0759-3040", "geonet-0759-3040", "RTK L1+L2, 3 km", GEONET_CAPTURE, geonet_known, geonet_peer(2), refix=True),
     Recording("geonet, L1", "geonet-0759-3040", "RTK L1, 3 km", GEONET_CAPTURE, geonet_known, geonet_peer(1), L1_ONLY, refix=True),
     Recording("walk-imu-ubx-2025", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_known, walk_peer, WALK_IMU),
+    Recording("walk, with phases", "walk-imu-ubx-2025", "single receiver + IMU + phases", WALK_CAPTURE, walk_displacements, None, WALK_TDCP),
     Recording("walk, without IMU", "walk-imu-ubx-2025", "single receiver", WALK_CAPTURE[:2], walk_known, walk_peer, WALK_GNSS),
     Recording("walk, 20 s removed", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_gap, None, WALK_IMU,
               ["--outage", "{:g},{:g}".format(*WALK_OUTAGE)]),

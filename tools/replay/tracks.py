@@ -18,6 +18,7 @@ class Track:
     v_n: np.ndarray      # north, east, down, m/s; NaN if not given
     fixed: np.ndarray    # integers fixed
     n_sat: np.ndarray
+    ins: np.ndarray = None  # an IMU takes part
 
 
 def ours(out_log, at_epochs=True):
@@ -29,7 +30,7 @@ def ours(out_log, at_epochs=True):
     return Track(np.array([int(a) * gpstime.NS + int(b) for a, b in t], np.int64),
                  earth.llh_to_ecef(np.radians(col("lat_deg")), np.radians(col("lon_deg")), col("height_m")),
                  np.stack([col(f"vel_{a}_mps") for a in "ned"], -1), np.array([r["status"].startswith("fixed") for r in rows], bool),
-                 col("n_sat"))
+                 col("n_sat"), np.array([r["status"].endswith("+ins") for r in rows], bool))
 
 
 def peers(pos_file):
@@ -129,6 +130,19 @@ def against_displacements(track, reference, longest_s=0.6):
     moved = earth.rotate(earth.C_e_n(lat, lon), at.r_e[2:] - at.r_e[:-2]) / span_s[:, None]
     v = (track.v_n[2:] + 4 * track.v_n[1:-1] + track.v_n[:-2]) / 6
     return rms((v - moved)[good]).tolist()
+
+
+def moved(track, reference, span_s):
+    """Displacement over a span, less that of the reference where it is fixed at both ends: n, rms north, east, down, m. From a second
+    after the INS began: phases begin with it."""
+    at, covered = reference.at(track.t_ns)
+    k = np.clip(np.searchsorted(reference.t_ns, track.t_ns), 1, reference.t_ns.size - 1)
+    began_ns = track.t_ns[np.argmax(track.ins)] + gpstime.NS
+    good = covered & track.ins & (track.t_ns > began_ns) & (reference.quality[k] == 1) & (reference.quality[k - 1] == 1)
+    off = earth.rotate(earth.C_e_n(*earth.ecef_to_llh(at.r_e)[:2]), track.r_e - at.r_e)
+    j = np.clip(np.searchsorted(track.t_ns, track.t_ns + span_s * gpstime.NS - 50_000_000), 0, track.t_ns.size - 1)
+    both = good & good[j] & (np.abs(track.t_ns[j] - track.t_ns - span_s * gpstime.NS) < 50_000_000)
+    return {"n": int(both.sum()), "ned_m": rms((off[j] - off)[both]).tolist()}
 
 
 def point(track, r_e, expected):

@@ -32,7 +32,8 @@ typedef enum {
     PEL_PRESET_INS_SINGLE = 3, /* 18-state INS with one receiver's code and Doppler */
     PEL_PRESET_INS_RTK = 4,    /* 18-state INS with DD code, phase, Doppler: S5 */
     PEL_PRESET_INS_FLOAT = 5,  /* 18-state INS in local axes with DD phase, integers from its float ambiguities: S2 */
-    PEL_N_PRESETS = 6
+    PEL_PRESET_INS_TDCP = 6,   /* and with the rover's own phases, as floats: S3 */
+    PEL_N_PRESETS = 7
 } pel_preset_t;
 
 typedef struct {
@@ -58,6 +59,8 @@ typedef struct {
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
     bool no_ionosphere;              /* apply no ionosphere model: simulations without one */
     double single_code_tau_s;        /* correlation time of a single receiver's code errors */
+    double single_lasting_tau_s;     /* and of those that last as long as phases carry the position */
+    double single_path_m_rts;        /* orbit, clock, atmosphere in its phases: random walk, m/sqrt(s) */
     double code_tau_s, phase_tau_s;  /* the same against a base: multipath. 0: white */
     bool float_code;                 /* PEL_PRESET_INS_FLOAT: codes are used beside phases */
     bool learn_noise;                /* fit the variances of codes and phases to what they leave over */
@@ -134,7 +137,9 @@ typedef struct {
     uint8_t agreed;     /* searches in a row that gave the same integer */
     uint32_t candidate; /* that integer modulo 2^32 */
     pel_time_t agreed_since_ns;
-    double N;            /* cycles, rover minus base, on the group's datum */
+    double N; /* cycles, rover minus base or of the rover alone, on the group's datum */
+    double lambda_m;
+    double u_e[3];       /* of_rover: line of sight when it began */
     pel_time_t since_ns; /* when a float one began */
 } pel_tracked_t;
 
@@ -146,9 +151,12 @@ typedef struct {
 } pel_channels_t;
 
 #define PEL_GLO_CARRIERS 2 /* G1, G2 */
+#define PEL_NAV_PRNS     64
 
 typedef struct {
     int n;
+    bool of_rover;              /* phases of the rover alone, not against the base */
+    pel_time_t carried_from_ns; /* since then enough of them have carried the position from epoch to epoch */
     uint8_t misfits;            /* epochs in a row whose held phases did not fit */
     uint8_t contradictions;     /* epochs whose own integers were others than those held, none in between that agreed */
     pel_time_t contradicted_ns; /* the first of them */
@@ -156,12 +164,14 @@ typedef struct {
     pel_time_t wandered_ns;
     pel_tracked_t entry[PEL_MAX_TRACKED];
     pel_channels_t channels[PEL_GLO_CARRIERS];
+    uint16_t codes_told[PEL_N_SYS][PEL_NAV_PRNS]; /* of_rover: codes of a satellite used while phases carry */
 } pel_track_t;
 
 /* What the variances of codes and phases are multiplied by, as learnt from their rows (navigator/noise_level.c). Private. */
 #define PEL_NAV_LEVEL_CODE  0
 #define PEL_NAV_LEVEL_PHASE 1
-#define PEL_NAV_LEVELS      2
+#define PEL_NAV_LEVEL_ROVER 2 /* phases of the rover alone */
+#define PEL_NAV_LEVELS      3
 
 typedef struct {
     float factor, rows;
@@ -214,6 +224,7 @@ typedef enum {
 /* Workspace of one epoch's update, kept off the stack. Private. */
 typedef struct {
     pel_antenna_t ant;
+    bool phased;                 /* phases take part, against the base or of the rover alone */
     double P_r[3][3], P_v[3][3]; /* antenna, before the update */
     pel_nav_integers_t ints;     /* of this epoch alone */
     pel_nav_integers_t later;    /* of the float states after the update */
@@ -223,7 +234,7 @@ typedef struct {
     pel_nav_phases_t phases;     /* every N, held or float */
     bool misfit[PEL_MAX_OBS];    /* phase rows that were refused */
     uint8_t row_of[PEL_MAX_AMB]; /* which of nav->sd each row of nav->problem is */
-    int code_used, code_refused, used;
+    int code_used, code_refused, phase_used, used;
     int held_used, held_refused; /* phase rows with validated integers */
 } pel_nav_update_t;
 

@@ -47,6 +47,8 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->noise_single.doppler_a_mps = 0.05;
     cfg->noise_single.doppler_b_mps = 0.05;
     cfg->single_code_tau_s = 60.0;
+    cfg->single_lasting_tau_s = 3600.0;
+    cfg->single_path_m_rts = 0.002;
     cfg->code_tau_s = 5.0;
     cfg->phase_tau_s = 10.0;
     cfg->float_code = true;

@@ -139,13 +139,14 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *bas
         nav->update.base_age_s = -1.0f;
         if (tried && !view_rover(nav, rover, r_ea_e, v_ea_e, NULL)) { return false; } /* with the ionosphere again */
         if (pel_sd_undifferenced(rover, &nav->view_rover, &nav->cfg.noise_single, &nav->sd) != PEL_OK) { return false; }
-        (void)allow_for_correlation(nav, nav->cfg.single_code_tau_s, gap_s);
     }
     if (relative != nav->relative && nav->last_epoch_ns != 0) {
         add_noise(nav, pel_model_index(&nav->model, PEL_BLOCK_POSITION), MODE_CHANGE_SD_M * MODE_CHANGE_SD_M);
     }
     nav->relative = relative;
-    if (relative) { pel_nav_noise_level_apply(nav); }
+    nav->update.phased = pel_nav_track_claim(nav, relative);
+    pel_nav_noise_level_apply(nav);
+    if (!relative) { pel_nav_rover_weigh_codes(nav, gap_s, nav->update.phased); }
     return true;
 }
 
@@ -264,11 +265,17 @@ static void use_rows(pel_navigator_t *nav)
     update_t *u = &nav->update;
     double inflated_by = 1.0;
     const double gap_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
-    if (nav->relative) {
-        if (u->ints.reason == PEL_INT_OK && !pel_nav_track_hold(nav, &u->ints)) { u->ints.reason = PEL_INT_PRIOR; }
-        pel_nav_track_begin(nav);
+    if (u->ints.reason == PEL_INT_OK && !pel_nav_track_hold(nav, &u->ints)) { u->ints.reason = PEL_INT_PRIOR; }
+    if (u->phased) {
+        if (nav->relative) {
+            pel_nav_track_begin(nav);
+        } else {
+            pel_nav_rover_phase_begin(nav);
+        }
         pel_nav_track_lookup(nav, &u->phases);
         u->ant.n_states = nav->model.n;
+    }
+    if (nav->relative) {
         inflated_by =
             allow_for_correlation(nav, nav->cfg.code_tau_s, gap_s); /* one epoch alone: nothing to correlate */
         allow_for_ionosphere(nav);
@@ -276,8 +283,9 @@ static void use_rows(pel_navigator_t *nav)
     pel_nav_noise_level_begin(nav, inflated_by);
     pel_nav_hold_watch_age(nav, gap_s);
     pel_nav_update_rows(nav, u);
+    if (!nav->relative) { pel_nav_rover_phase_note(nav); }
     pel_nav_close_loop(nav);
-    for (int i = 0; nav->relative && i < nav->sd.n; i++) {
+    for (int i = 0; u->phased && i < nav->sd.n; i++) {
         if (u->misfit[i]) { pel_nav_track_drop(nav, &nav->sd.sd[i]); }
     }
     if (nav->relative && nav->cfg.integers && pel_nav_track_search_begin(nav, is_fixed(nav, u))) {
@@ -307,6 +315,7 @@ void pel_nav_begin_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
     pel_nav_antenna_cov(nav, &u->ant, true, u->P_v);
     u->ints.reason = PEL_INT_NOT_TRIED;
     if (nav->relative) { pel_nav_track_wander(nav); }
+    if (!nav->relative && u->phased) { pel_nav_rover_phase_walk(nav); }
     const bool each_epoch = nav->cfg.integers && pel_nav_preset(pel_nav_preset_in_use(nav))->each_epoch;
     if (nav->relative && each_epoch && pel_nav_resolve_begin(nav, u->P_r, &u->ints)) {
         nav->search = PEL_NAV_SEARCH_EPOCH;

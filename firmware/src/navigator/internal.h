@@ -25,6 +25,7 @@ typedef struct {
                   const pel_imu_model_t *imu); /* of the INS; its blocks are those of pel_model_ins_ecef() */
     bool imu;                                  /* the INS runs where there is an IMU */
     bool base;                                 /* double differences where there is a base */
+    bool rover_phase;                          /* phases of the rover alone where there is no base */
     bool local;                                /* mechanization and filter in local axes */
     bool rates;                                /* Doppler is used */
     bool each_epoch; /* integers are searched in each epoch alone; else only in the filter's own floats */
@@ -208,6 +209,16 @@ void pel_nav_channels_shift(pel_navigator_t *nav, int removed);
 /* The datum of a group, NULL if there is none. */
 pel_tracked_t *pel_nav_track_datum(pel_navigator_t *nav, uint8_t sys, uint8_t carrier);
 
+/* The entry of a phase: NULL if there is none; made if there is room. */
+pel_tracked_t *pel_nav_track_find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier);
+pel_tracked_t *pel_nav_track_get_or_add(pel_navigator_t *nav, const pel_sd_t *sd);
+
+/* Satellites that have set keep their place until it is needed. */
+void pel_nav_track_make_room(pel_navigator_t *nav);
+
+/* Its number becomes a state of this 1 sigma. False: no room. */
+bool pel_nav_track_add_state(pel_navigator_t *nav, pel_tracked_t *t, double sd_cyc);
+
 /* One entry's state goes, or all of it; indices of others move up. */
 void pel_nav_track_remove_state(pel_navigator_t *nav, pel_tracked_t *t);
 void pel_nav_track_drop_entry(pel_navigator_t *nav, int i);
@@ -236,6 +247,27 @@ void pel_nav_track_begin(pel_navigator_t *nav);
 
 void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out);
 void pel_nav_track_close_loop(pel_navigator_t *nav);
+
+/* ---- rover_phase.c: phases without a base ---- */
+
+/* Does this epoch use phases? Those of the other kind, against a base or of the rover alone, are then forgotten. After nav->sd was formed. */
+bool pel_nav_track_claim(pel_navigator_t *nav, bool relative);
+
+/* Phases without an N get one, as a state beside the datum's. */
+void pel_nav_rover_phase_begin(pel_navigator_t *nav);
+
+/* What satellite clocks, orbits and atmosphere did to the offsets in the time since. */
+void pel_nav_rover_phase_walk(pel_navigator_t *nav);
+
+/* The row of a double difference without its states. */
+void pel_nav_rover_phase_row(pel_navigator_t *nav, const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot,
+                             double dd_m, pel_row_t *row);
+
+/* After the rows: have phases carried the position on? */
+void pel_nav_rover_phase_note(pel_navigator_t *nav);
+
+/* A single receiver's code errors are not independent from epoch to epoch: variances by their correlation times. */
+void pel_nav_rover_weigh_codes(pel_navigator_t *nav, double gap_s, bool phased);
 
 /* ---- float_search.c ---- */
 

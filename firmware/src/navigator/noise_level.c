@@ -14,8 +14,8 @@
 
 /* Limits of the factor of a variance. What wrong integers leave over must not make them look right: at its limit a phase's level says
  * that its integers are wrong. */
-static const float LEAST[PEL_NAV_LEVELS] = {0.1f, 0.5f};
-static const float MOST[PEL_NAV_LEVELS] = {10.0f, 4.0f};
+static const float LEAST[PEL_NAV_LEVELS] = {0.1f, 0.5f, 0.25f};
+static const float MOST[PEL_NAV_LEVELS] = {10.0f, 4.0f, 25.0f};
 
 void pel_nav_noise_level_init(pel_navigator_t *nav)
 {
@@ -44,8 +44,11 @@ void pel_nav_noise_level_apply(pel_navigator_t *nav)
 {
     for (int i = 0; i < nav->sd.n; i++) {
         pel_sd_t *sd = &nav->sd.sd[i];
-        sd->var_code *= (double)nav->noise_level.of[PEL_NAV_LEVEL_CODE][sd->sys][sd->carrier].factor;
-        sd->var_phase *= (double)nav->noise_level.of[PEL_NAV_LEVEL_PHASE][sd->sys][sd->carrier].factor;
+        const int phase = nav->relative ? PEL_NAV_LEVEL_PHASE : PEL_NAV_LEVEL_ROVER;
+        if (nav->relative) {
+            sd->var_code *= (double)nav->noise_level.of[PEL_NAV_LEVEL_CODE][sd->sys][sd->carrier].factor;
+        }
+        sd->var_phase *= (double)nav->noise_level.of[phase][sd->sys][sd->carrier].factor;
     }
 }
 
@@ -54,10 +57,11 @@ void pel_nav_noise_level_begin(pel_navigator_t *nav, double code_inflated_by)
     pel_noise_level_t *c = &nav->noise_level;
     const double dt_s = pel_time_diff_s(nav->at_horizon.t_ns, c->learnt_ns);
     const bool first = c->learnt_ns == 0 || dt_s < 0.0;
-    c->learning = nav->cfg.learn_noise && nav->relative && (first || dt_s >= LEARN_EVERY_S);
+    c->learning = nav->cfg.learn_noise && (!nav->relative || first || dt_s >= LEARN_EVERY_S);
     c->code_inflated_by = (float)code_inflated_by;
     if (!c->learning) { return; }
-    c->share = (float)(first ? 1.0 : pel_min(1.0, dt_s / pel_max(nav->cfg.code_tau_s, LEARN_EVERY_S)));
+    c->share =
+        !nav->relative ? 1.0f : (float)(first ? 1.0 : pel_min(1.0, dt_s / pel_max(nav->cfg.code_tau_s, LEARN_EVERY_S)));
     c->learnt_ns = nav->at_horizon.t_ns;
 }
 

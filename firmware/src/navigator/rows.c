@@ -78,14 +78,30 @@ static int screen(const pel_navigator_t *nav, const update_t *u, int first, int 
     return pivot;
 }
 
-static void note_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, double dd, bool used)
+/* An innovation and its 1 sigma as reported. */
+typedef struct {
+    float innov, sd;
+} seen_t;
+
+/* That of the double difference by what was known of the antenna before the update. */
+static seen_t before_update(const pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, double dd)
 {
     const pel_sd_t *sd = &nav->sd.sd[i], *p = &nav->sd.sd[pivot];
-    pel_sat_report_t *r = &nav->sats[i];
     const double g[3] = {p->u_e[0] - sd->u_e[0], p->u_e[1] - sd->u_e[1], p->u_e[2] - sd->u_e[2]};
     const double var = pel_nav_along((kind == RATE) ? u->P_v : u->P_r, g) + variance(sd, kind) + variance(p, kind);
-    const float innov = (float)-dd;
-    const float s = (float)pel_sqrt(var);
+    return (seen_t){.innov = (float)-dd, .sd = (float)pel_sqrt(var)};
+}
+
+/* That of the row as the filter met it: a float phase's sigma is in its state. */
+static seen_t by_filter(double z, pel_real nis)
+{
+    return (seen_t){.innov = (float)z, .sd = (nis > 0) ? (float)(pel_fabs(z) / pel_sqrt((double)nis)) : 0.0f};
+}
+
+static void note_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, seen_t seen, bool used)
+{
+    pel_sat_report_t *r = &nav->sats[i];
+    const float innov = seen.innov, s = seen.sd;
     nav->sats[pivot].flags |= PEL_SAT_PIVOT;
     if (kind == CODE) {
         r->innov_code_m = innov;
@@ -113,6 +129,7 @@ static void count_row(pel_navigator_t *nav, update_t *u, int i, kind_t kind, boo
         nav->counters.rows_used++;
         u->used++;
         u->code_used += (kind == CODE);
+        u->phase_used += (kind == PHASE);
         u->held_used += held;
     } else {
         nav->counters.rows_gated++;
@@ -123,21 +140,26 @@ static void count_row(pel_navigator_t *nav, update_t *u, int i, kind_t kind, boo
 }
 
 /* The double difference of satellite i against the pivot as a row; phases carry their N, integer or state. */
-static double make_row(const pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, pel_row_t *row)
+static double make_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, pel_row_t *row)
 {
     const pel_sd_t *sd = &nav->sd.sd[i], *p = &nav->sd.sd[pivot];
     double dd = value(sd, kind) - value(p, kind);
     if (kind == PHASE) {
-        dd -= sd->lambda_m * u->phases.N[i] - p->lambda_m * u->phases.N[pivot] + pel_nav_channels_offset_m(nav, sd, p);
+        dd -= sd->lambda_m * u->phases.N[i] - p->lambda_m * u->phases.N[pivot];
+        if (nav->relative) { dd -= pel_nav_channels_offset_m(nav, sd, p); }
     }
     if (kind == RATE) {
         pel_observe_rate(&u->ant, sd, p, dd, row);
         return dd;
     }
-    pel_observe_range(&u->ant, sd, p, dd, row);
+    if (kind == PHASE && !nav->relative) {
+        pel_nav_rover_phase_row(nav, &u->ant, sd, p, dd, row);
+    } else {
+        pel_observe_range(&u->ant, sd, p, dd, row);
+    }
     if (kind == PHASE && u->phases.state[i] >= 0) { row->h[u->phases.state[i]] = (pel_real)sd->lambda_m; }
     if (kind == PHASE && u->phases.state[pivot] >= 0) { row->h[u->phases.state[pivot]] = (pel_real)-p->lambda_m; }
-    if (kind == PHASE) { pel_nav_channels_put(nav, sd, p, row); }
+    if (kind == PHASE && nav->relative) { pel_nav_channels_put(nav, sd, p, row); }
     return dd;
 }
 
@@ -171,17 +193,22 @@ static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t
         pel_real nis = 0;
         const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
         if (whitened && kind == CODE && u->held_used >= 3) { pel_nav_hold_watch_row(nav, &row, u->ant.i_r); }
-        const bool learns = whitened && nav->noise_level.learning && kind != RATE;
+        const double z = (double)row.z;
         const double var_row = (double)row.var; /* as nis judges it */
+        const bool learns = whitened && nav->noise_level.learning && kind != RATE && (nav->relative || kind == PHASE);
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
         const bool used = whitened && update_robustly(nav, &row, &nis);
-        if (used && learns) { pel_nav_noise_level_learn(nav, sd, (int)kind, (double)nis, var_state, var_row); }
+        if (used && learns) {
+            const int level = (kind == PHASE && !nav->relative) ? PEL_NAV_LEVEL_ROVER : (int)kind;
+            pel_nav_noise_level_learn(nav, sd, level, (double)nis, var_state, var_row);
+        }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, row.h);
             u->nis += (float)nis;
             u->nis_dof++;
         }
-        note_row(nav, u, i, pivot, kind, dd, used);
+        const bool floats = kind == PHASE && !nav->relative;
+        note_row(nav, u, i, pivot, kind, floats ? by_filter(z, nis) : before_update(nav, u, i, pivot, kind, dd), used);
         count_row(nav, u, i, kind, used);
     }
 }
@@ -196,10 +223,11 @@ void pel_nav_update_rows(pel_navigator_t *nav, update_t *u)
     pel_nav_axes(nav, &axes);
     u->nis = 0.0f;
     u->nis_dof = 0;
+    if (u->phased && !nav->relative) { update_group(nav, u, &axes, 0, set->n, PHASE); } /* one clock, one datum */
     for (int first = 0; first < set->n;) {
         int last = first + 1;
         while (last < set->n && set->sd[last].group == set->sd[first].group) { last++; }
-        update_group(nav, u, &axes, first, last, PHASE);
+        if (nav->relative) { update_group(nav, u, &axes, first, last, PHASE); }
         if (code) { update_group(nav, u, &axes, first, last, CODE); }
         if (rates) { update_group(nav, u, &axes, first, last, RATE); }
         first = last;

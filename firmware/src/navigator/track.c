@@ -14,7 +14,7 @@
 #define FAR_APART_S         10.0 /* epochs with errors of their own: two are enough */
 #define WANDER_EVERY_S      0.9
 
-static pel_tracked_t *find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
+pel_tracked_t *pel_nav_track_find(pel_navigator_t *nav, uint8_t sys, uint8_t prn, uint8_t carrier)
 {
     for (int i = 0; i < nav->track.n; i++) {
         pel_tracked_t *t = &nav->track.entry[i];
@@ -35,23 +35,24 @@ bool pel_nav_track_number(const pel_navigator_t *nav, const pel_sd_t *sd, double
     return false;
 }
 
-static bool same_group(const pel_tracked_t *t, uint8_t sys, uint8_t carrier)
+/* Phases of the rover alone have one datum: its clock is the same to all. */
+static bool same_group(const pel_navigator_t *nav, const pel_tracked_t *t, uint8_t sys, uint8_t carrier)
 {
-    return t->sys == sys && t->carrier == carrier;
+    return nav->track.of_rover || (t->sys == sys && t->carrier == carrier);
 }
 
 pel_tracked_t *pel_nav_track_datum(pel_navigator_t *nav, uint8_t sys, uint8_t carrier)
 {
     for (int i = 0; i < nav->track.n; i++) {
         pel_tracked_t *t = &nav->track.entry[i];
-        if (t->state < 0 && same_group(t, sys, carrier)) { return t; }
+        if (t->state < 0 && same_group(nav, t, sys, carrier)) { return t; }
     }
     return NULL;
 }
 
 /* ---- states behind the model's own -------------------------------------------------------------------------------------- */
 
-static bool add_state(pel_navigator_t *nav, pel_tracked_t *t, double sd_cyc)
+bool pel_nav_track_add_state(pel_navigator_t *nav, pel_tracked_t *t, double sd_cyc)
 {
     if (pel_ud_insert(&nav->ud, nav->ud.n, (pel_real)(sd_cyc * sd_cyc)) != PEL_OK) { return false; }
     t->state = (int16_t)(nav->ud.n - 1);
@@ -79,9 +80,31 @@ void pel_nav_track_drop_entry(pel_navigator_t *nav, int i)
     if (i < nav->track.n) { nav->track.entry[i] = nav->track.entry[nav->track.n]; }
 }
 
+/* Without a datum the last state becomes that of the others: x_i := x_i - x_last, which costs nothing while they stand before it. */
+static void hand_over(pel_navigator_t *nav)
+{
+    pel_tracked_t *heir = NULL;
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state < 0) { return; }
+        if (heir == NULL || t->state > heir->state) { heir = t; }
+    }
+    if (heir == NULL) { return; }
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        const double ratio = heir->lambda_m / t->lambda_m;
+        if (t == heir) { continue; }
+        (void)pel_ud_combine(&nav->ud, t->state, heir->state, (pel_real)-ratio);
+        t->N -= ratio * heir->N;
+    }
+    heir->N = 0.0;
+    pel_nav_track_remove_state(nav, heir);
+}
+
 /* Float ambiguities of a group without a datum refer to nothing. */
 static void drop_orphans(pel_navigator_t *nav)
 {
+    if (nav->track.of_rover) { hand_over(nav); }
     for (int i = nav->track.n - 1; i >= 0; i--) {
         const pel_tracked_t *t = &nav->track.entry[i];
         if (t->state >= 0 && pel_nav_track_datum(nav, t->sys, t->carrier) == NULL) { pel_nav_track_drop_entry(nav, i); }
@@ -97,6 +120,7 @@ void pel_nav_track_clear(pel_navigator_t *nav)
 void pel_nav_track_forget(pel_navigator_t *nav)
 {
     nav->track.n = 0;
+    nav->track.carried_from_ns = nav->at_horizon.t_ns;
     nav->track.misfits = 0;
     pel_nav_channels_forget(nav);
 }
@@ -106,7 +130,7 @@ void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
     for (int k = 0; k < e->n; k++) {
         const pel_obs_t *o = &e->obs[k];
         if ((o->flags & PEL_OBS_SLIP) == 0) { continue; }
-        const pel_tracked_t *t = find(nav, o->sys, o->prn, o->carrier);
+        const pel_tracked_t *t = pel_nav_track_find(nav, o->sys, o->prn, o->carrier);
         if (t != NULL) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
     }
     drop_orphans(nav);
@@ -114,7 +138,7 @@ void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
 
 void pel_nav_track_drop(pel_navigator_t *nav, const pel_sd_t *sd)
 {
-    const pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+    const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
     if (t != NULL) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
     drop_orphans(nav);
 }
@@ -131,7 +155,7 @@ static bool is_seen(const pel_navigator_t *nav, const pel_tracked_t *t)
 }
 
 /* Satellites that have set keep their place until it is needed. */
-static void make_room(pel_navigator_t *nav)
+void pel_nav_track_make_room(pel_navigator_t *nav)
 {
     if (nav->track.n < PEL_MAX_TRACKED && nav->ud.n < PEL_MAX_STATES) { return; }
     for (int i = nav->track.n - 1; i >= 0; i--) {
@@ -140,19 +164,24 @@ static void make_room(pel_navigator_t *nav)
     drop_orphans(nav);
 }
 
-static pel_tracked_t *get_or_add(pel_navigator_t *nav, const pel_sd_t *sd)
+pel_tracked_t *pel_nav_track_get_or_add(pel_navigator_t *nav, const pel_sd_t *sd)
 {
-    pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+    pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
     if (t != NULL) { return t; }
     if (nav->track.n == PEL_MAX_TRACKED) { return NULL; }
     t = &nav->track.entry[nav->track.n++];
-    *t = (pel_tracked_t){.sys = sd->sys, .prn = sd->prn, .carrier = sd->carrier, .state = -1};
+    *t = (pel_tracked_t){.sys = sd->sys,
+                         .prn = sd->prn,
+                         .carrier = sd->carrier,
+                         .state = -1,
+                         .lambda_m = sd->lambda_m,
+                         .u_e = {sd->u_e[0], sd->u_e[1], sd->u_e[2]}};
     return t;
 }
 
 static void hold(pel_navigator_t *nav, const pel_sd_t *sd, double N)
 {
-    pel_tracked_t *t = get_or_add(nav, sd);
+    pel_tracked_t *t = pel_nav_track_get_or_add(nav, sd);
     if (t == NULL) { return; }
     pel_nav_track_remove_state(nav, t);
     t->N = N;
@@ -166,7 +195,7 @@ static double pivot_integer(pel_navigator_t *nav, const pel_nav_integers_t *ints
     for (int pass = 0; pass < 2; pass++) {
         for (int i = first; i < last; i++) {
             const pel_sd_t *sd = &nav->sd.sd[i];
-            const pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+            const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
             if (t == NULL || t->state >= 0) { continue; }
             if (pass == 0 && i == pivot) { return t->N; }
             if (pass == 1 && ints->fixed[i]) { return t->N - (double)ints->N[i]; }
@@ -200,7 +229,7 @@ static bool contradicts(pel_navigator_t *nav, const pel_nav_integers_t *ints)
         double offset = 0.0; /* of held numbers against those of this epoch: one for the whole group */
         for (int i = g.first; i < g.last && g.pivot >= 0; i++) {
             const pel_sd_t *sd = &nav->sd.sd[i];
-            const pel_tracked_t *t = find(nav, sd->sys, sd->prn, sd->carrier);
+            const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
             if (t == NULL || !t->held || !(ints->fixed[i] || (i == g.pivot && g.any_fixed))) { continue; }
             const double here = t->N - (double)((i == g.pivot) ? 0 : ints->N[i]);
             if (known && here != offset) { return true; }
@@ -221,7 +250,7 @@ bool pel_nav_track_hold(pel_navigator_t *nav, const pel_nav_integers_t *ints)
     if (other && nav->track.contradictions < enough) { return false; }
     nav->track.contradictions = 0;
     if (other) { pel_nav_track_clear(nav); }
-    make_room(nav);
+    pel_nav_track_make_room(nav);
     for (group_t g = group_from(nav, ints, 0); g.first < nav->sd.n; g = group_from(nav, ints, g.last)) {
         if (!g.any_fixed || g.pivot < 0) { continue; }
         const double N_pivot = pivot_integer(nav, ints, g.first, g.last, g.pivot);
@@ -243,7 +272,7 @@ static bool phase_is_usable(const pel_sd_t *sd)
 /* A new float ambiguity from code minus phase; the receivers' clocks cancel against the group's reference. */
 static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *ref, double N_ref)
 {
-    pel_tracked_t *t = get_or_add(nav, sd);
+    pel_tracked_t *t = pel_nav_track_get_or_add(nav, sd);
     if (t == NULL) { return; }
     const double dd_m = (sd->phase_m - ref->phase_m) - (sd->code_m - ref->code_m);
     t->N = (ref->lambda_m * N_ref + dd_m - pel_nav_channels_offset_m(nav, sd, ref)) / sd->lambda_m;
@@ -251,7 +280,9 @@ static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t
     t->half = sd->half;
     t->epochs = 0;
     t->since_ns = nav->at_horizon.t_ns;
-    if (!add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
+    if (!pel_nav_track_add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) {
+        pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry));
+    }
 }
 
 /* The pivot becomes the datum, or another satellite if the pivot has half a cycle that is not resolved. NULL: none can. */
@@ -263,7 +294,7 @@ static const pel_sd_t *new_datum(pel_navigator_t *nav, int first, int last, doub
         if (phase_is_usable(sd) && (datum == NULL || (datum->half && !sd->half))) { datum = sd; }
     }
     if (datum == NULL || pel_nav_track_datum(nav, datum->sys, datum->carrier) != NULL) { return NULL; }
-    pel_tracked_t *t = get_or_add(nav, datum);
+    pel_tracked_t *t = pel_nav_track_get_or_add(nav, datum);
     if (t == NULL) { return NULL; }
     t->N = pel_nav_channels_number(datum);
     t->held = false;
@@ -279,7 +310,7 @@ static void begin_group(pel_navigator_t *nav, int first, int last)
     double N_ref = 0.0;
     for (int i = first; i < last; i++) { /* a satellite of this epoch whose N is known */
         const pel_sd_t *sd = &nav->sd.sd[i];
-        const pel_tracked_t *t = phase_is_usable(sd) ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        const pel_tracked_t *t = phase_is_usable(sd) ? pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
         if (t != NULL && (ref == NULL || t->state < 0)) {
             ref = sd;
             N_ref = t->N;
@@ -292,7 +323,7 @@ static void begin_group(pel_navigator_t *nav, int first, int last)
     }
     for (int i = first; i < last; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
-        if (phase_is_usable(sd) && find(nav, sd->sys, sd->prn, sd->carrier) == NULL) {
+        if (phase_is_usable(sd) && pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier) == NULL) {
             begin_float(nav, sd, ref, N_ref);
         }
     }
@@ -300,7 +331,7 @@ static void begin_group(pel_navigator_t *nav, int first, int last)
 
 void pel_nav_track_begin(pel_navigator_t *nav)
 {
-    make_room(nav);
+    pel_nav_track_make_room(nav);
     for (int first = 0; first < nav->sd.n;) {
         int last = first + 1;
         while (last < nav->sd.n && nav->sd.sd[last].group == nav->sd.sd[first].group) { last++; }
@@ -321,7 +352,7 @@ void pel_nav_track_wander(pel_navigator_t *nav)
     nav->track.wandered_ns = nav->at_horizon.t_ns;
     for (int i = 0; !first && i < nav->sd.n; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
-        const pel_tracked_t *t = phase_is_usable(sd) ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        const pel_tracked_t *t = phase_is_usable(sd) ? pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
         if (t == NULL || t->state < 0) { continue; }
         pel_real unit[PEL_MAX_STATES] = {0};
         unit[t->state] = PEL_R(1.0);
@@ -334,8 +365,8 @@ void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out)
 {
     for (int i = 0; i < nav->sd.n; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
-        const bool ready = phase_is_usable(sd) && pel_nav_channels_ready(nav, sd);
-        pel_tracked_t *t = ready ? find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        const bool ready = phase_is_usable(sd) && (nav->track.of_rover || pel_nav_channels_ready(nav, sd));
+        pel_tracked_t *t = ready ? pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
         out->known[i] = t != NULL;
         out->held[i] = t != NULL && t->held;
         out->state[i] = (int16_t)((t != NULL) ? t->state : -1);

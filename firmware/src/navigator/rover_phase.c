@@ -1,0 +1,204 @@
+/* rover_phase.c - the phases of a receiver without a base: S3's float form (6.2b) of time-differenced phases.
+ *
+ * Nothing is differenced in time. Each phase's offset against one datum (ambiguity, satellite clock, path) is a filter state of track.c
+ * that begins free and walks; the geometry of every later epoch is then known against that of the first. This equals all time
+ * differences of the pass with their correlation, as long as the offsets do what they are said to. What a base would take away walks here:
+ * satellite clocks and orbits, ionosphere, troposphere. */
+#include "internal.h"
+
+#include "pelorus/math.h"
+
+#define BASE_RETURNS_NS (120 * PEL_NS_PER_S) /* numbers against a base that is silent are kept so long */
+#define WANDER_EVERY_S  0.4
+#define PHASE_TAU_S     1.0 /* multipath of an antenna that moves: structure functions in docs/NAVIGATOR.md */
+#define FEWEST_ROWS     3
+#define CARRIED_S       1.0
+#define TURNED_RAD      0.05  /* six minutes of a satellite's way */
+#define FLOAT_SD_M      100.0 /* of a new offset */
+
+bool pel_nav_track_claim(pel_navigator_t *nav, bool relative)
+{
+    if (!relative && !(nav->last_imu_ns != 0 && pel_nav_preset(nav->cfg.preset)->rover_phase)) { return false; }
+    if (nav->track.n > 0 && nav->track.of_rover == relative) {
+        const bool base_may_return =
+            !relative && nav->n_base > 0 && nav->base[nav->n_base - 1].t_ns > nav->at_horizon.t_ns - BASE_RETURNS_NS;
+        if (base_may_return) { return false; }
+        pel_nav_track_clear(nav);
+    }
+    nav->track.of_rover = !relative;
+    return true;
+}
+
+/* ---- begin ------------------------------------------------------------------------------------------------------------ */
+
+static bool is_usable(const pel_sd_t *sd)
+{
+    return sd->has_phase && sd->has_code;
+}
+
+static bool has_phase_of(const pel_navigator_t *nav, const pel_sd_t *sd)
+{
+    for (int i = 0; i < nav->track.n; i++) {
+        const pel_tracked_t *t = &nav->track.entry[i];
+        if (t->sys == sd->sys && t->prn == sd->prn) { return true; }
+    }
+    return false;
+}
+
+/* A phase of this epoch that has an N, the datum's if it is there; else the highest becomes the datum. NULL: no phase. */
+static const pel_sd_t *reference(pel_navigator_t *nav)
+{
+    const pel_sd_t *ref = NULL, *highest = NULL;
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        if (!is_usable(sd)) { continue; }
+        const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
+        if (t != NULL && t->state < 0) { return sd; }
+        if (t != NULL) { ref = sd; }
+        if (highest == NULL || sd->el_rad > highest->el_rad) { highest = sd; }
+    }
+    if (ref != NULL || highest == NULL || nav->track.n > 0) { return ref; }
+    (void)pel_nav_track_get_or_add(nav, highest);
+    return highest;
+}
+
+/* It begins where its row says nothing: what its code knows is told by the code's row. */
+static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *ref)
+{
+    const pel_tracked_t *t_ref = pel_nav_track_find(nav, ref->sys, ref->prn, ref->carrier);
+    const double N_ref_m = (t_ref != NULL) ? ref->lambda_m * t_ref->N : 0.0;
+    pel_tracked_t *t = pel_nav_track_get_or_add(nav, sd);
+    if (t == NULL) { return; }
+    t->N = (sd->phase_m - ref->phase_m + N_ref_m) / sd->lambda_m;
+    t->half = sd->half;
+    t->since_ns = nav->at_horizon.t_ns;
+    if (!pel_nav_track_add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) {
+        pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry));
+    }
+}
+
+/* A row's line of sight is that of its phase's beginning (pel_nav_rover_phase_row): one that has turned away is begun anew, one an epoch
+ * so that the others carry on. */
+static void renew_turned(pel_navigator_t *nav)
+{
+    const pel_sd_t *farthest = NULL;
+    double most = TURNED_RAD * TURNED_RAD;
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
+        if (t == NULL) { continue; }
+        const double d[3] = {sd->u_e[0] - t->u_e[0], sd->u_e[1] - t->u_e[1], sd->u_e[2] - t->u_e[2]};
+        if (pel_dot3(d, d) <= most) { continue; }
+        most = pel_dot3(d, d);
+        farthest = sd;
+    }
+    if (farthest != NULL) { pel_nav_track_drop(nav, farthest); }
+}
+
+/* One phase of each satellite first, then their other carriers while there is room. */
+void pel_nav_rover_phase_begin(pel_navigator_t *nav)
+{
+    renew_turned(nav);
+    pel_nav_track_make_room(nav);
+    const pel_sd_t *ref = reference(nav);
+    for (int pass = 0; pass < 2 && ref != NULL; pass++) {
+        for (int i = 0; i < nav->sd.n; i++) {
+            const pel_sd_t *sd = &nav->sd.sd[i];
+            if (!is_usable(sd) || pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier) != NULL) { continue; }
+            if (pass > 0 || !has_phase_of(nav, sd)) { begin_float(nav, sd, ref); }
+        }
+    }
+}
+
+/* ---- time and rows ------------------------------------------------------------------------------------------------------ */
+
+static const pel_sd_t *seen(const pel_navigator_t *nav, const pel_tracked_t *t)
+{
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        if (t->sys == sd->sys && t->prn == sd->prn && t->carrier == sd->carrier) { return sd; }
+    }
+    return NULL;
+}
+
+/* Its own walk moves an offset alone, that of the datum all of them. Var: m^2. */
+static void walk(pel_navigator_t *nav, const pel_tracked_t *moved, double var)
+{
+    pel_real c[PEL_MAX_STATES] = {0};
+    int last = -1;
+    for (int i = 0; i < nav->track.n; i++) {
+        const pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state < 0 || (t != moved && moved->state >= 0)) { continue; }
+        c[t->state] = (pel_real)(1.0 / t->lambda_m);
+        last = (t->state > last) ? t->state : last;
+    }
+    if (last >= 0) { pel_ud_rank_one(&nav->ud, last + 1, c, (pel_real)var); }
+}
+
+void pel_nav_rover_phase_walk(pel_navigator_t *nav)
+{
+    const double dt_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->track.wandered_ns);
+    const bool first = nav->track.wandered_ns == 0 || dt_s < 0.0;
+    if (!first && dt_s < WANDER_EVERY_S) { return; }
+    nav->track.wandered_ns = nav->at_horizon.t_ns;
+    if (first) { return; }
+    const double path = nav->cfg.single_path_m_rts * nav->cfg.single_path_m_rts * dt_s;
+    const double share = pel_min(2.0 * dt_s / PHASE_TAU_S, 2.0);
+    for (int i = 0; i < nav->track.n; i++) {
+        const pel_tracked_t *t = &nav->track.entry[i];
+        const pel_sd_t *sd = seen(nav, t);
+        walk(nav, t, path + ((sd != NULL) ? share * sd->var_phase : 0.0));
+    }
+}
+
+/* With lines of sight as they were when the phases began. That they turn would tell the place itself, were the paths known to a millimetre
+ * in minutes: they are not, and a drift of 0.3 mm/s taken for it is metres. What the turn leaves out, 1e-4 rad/s times the error of
+ * the place, is less than paths walk. */
+void pel_nav_rover_phase_row(pel_navigator_t *nav, const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot,
+                             double dd_m, pel_row_t *row)
+{
+    pel_sd_t a = *sat, b = *pivot;
+    const pel_tracked_t *ta = pel_nav_track_find(nav, sat->sys, sat->prn, sat->carrier);
+    const pel_tracked_t *tb = pel_nav_track_find(nav, pivot->sys, pivot->prn, pivot->carrier);
+    for (int k = 0; k < 3 && ta != NULL && tb != NULL; k++) {
+        a.u_e[k] = ta->u_e[k];
+        b.u_e[k] = tb->u_e[k];
+    }
+    pel_observe_range(ant, &a, &b, dd_m, row);
+}
+
+/* Three double differences hold the antenna from epoch to epoch. */
+void pel_nav_rover_phase_note(pel_navigator_t *nav)
+{
+    if (nav->update.phase_used < FEWEST_ROWS) { nav->track.carried_from_ns = nav->at_horizon.t_ns; }
+}
+
+/* Errors that last longer than an epoch: taking each code with 2 tau / dt of its variance gives the information per second of a process
+ * correlated over tau. What the receiver makes itself lasts a minute. Orbit, clock and atmosphere last an hour, and phases carry the position
+ * as long: each satellite's code tells them once, at once when phases begin and over a minute when it rises later, lest the
+ * position jump, and hardly again. Where no phases carry, what was is soon forgotten, and all of it lasts a minute. */
+void pel_nav_rover_weigh_codes(pel_navigator_t *nav, double gap_s, bool phased)
+{
+    const double dt_s = pel_max(gap_s, 0.01);
+    const double rising = pel_min(pel_max(1.0, nav->cfg.single_code_tau_s / dt_s), (double)UINT16_MAX);
+    const double brief = pel_max(1.0, 2.0 * nav->cfg.single_code_tau_s / dt_s);
+    const double lasting = pel_max(brief, 2.0 * nav->cfg.single_lasting_tau_s / dt_s);
+    const bool carried = phased && pel_time_diff_s(nav->at_horizon.t_ns, nav->track.carried_from_ns) > CARRIED_S;
+    const bool begins = phased && nav->track.n == 0;
+    if (nav->epoch_before_ns == 0) { return; } /* one epoch alone: nothing to correlate */
+    for (int i = 0; i < nav->sd.n; i++) {
+        pel_sd_t *sd = &nav->sd.sd[i];
+        uint16_t *told = &nav->track.codes_told[sd->sys][sd->prn % PEL_NAV_PRNS];
+        const double own = pel_noise_var(&nav->cfg.noise, PEL_OBS_CODE, (double)sd->el_rad, (double)sd->cn0_dbhz);
+        if (begins) {
+            *told = UINT16_MAX;
+        } else if (!carried) {
+            sd->var_code *= brief;
+        } else if ((double)*told < rising) {
+            sd->var_code *= rising;
+            (*told)++;
+        } else {
+            sd->var_code = lasting * sd->var_code - (lasting - brief) * pel_min(own, sd->var_code);
+        }
+    }
+}
