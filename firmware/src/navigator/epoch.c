@@ -295,6 +295,18 @@ static void use_rows(pel_navigator_t *nav)
     }
 }
 
+static bool searches_each_epoch(const pel_navigator_t *nav)
+{
+    return pel_nav_preset(pel_nav_preset_in_use(nav))->each_epoch;
+}
+
+/* The verdict on the floats is the epoch's where there is no other. */
+static void tell_floats(pel_navigator_t *nav)
+{
+    nav->update.ints = nav->update.later;
+    pel_nav_count_verdict(&nav->counters, nav->update.ints.reason);
+}
+
 void pel_nav_begin_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base)
 {
     update_t *u = &nav->update;
@@ -316,8 +328,8 @@ void pel_nav_begin_epoch(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *
     u->ints.reason = PEL_INT_NOT_TRIED;
     if (nav->relative) { pel_nav_track_wander(nav); }
     if (!nav->relative && u->phased) { pel_nav_rover_phase_walk(nav); }
-    const bool each_epoch = nav->cfg.integers && pel_nav_preset(pel_nav_preset_in_use(nav))->each_epoch;
-    if (nav->relative && each_epoch && pel_nav_resolve_begin(nav, u->P_r, &u->ints)) {
+    const bool searches = nav->relative && nav->cfg.integers && searches_each_epoch(nav);
+    if (searches && pel_nav_resolve_begin(nav, u->P_r, &u->ints)) {
         nav->search = PEL_NAV_SEARCH_EPOCH;
     } else {
         use_rows(nav);
@@ -337,6 +349,7 @@ void pel_nav_go_on(pel_navigator_t *nav, int32_t max_nodes)
     case PEL_NAV_SEARCH_FLOATS:
         if (!pel_nav_track_search_step(nav, max_nodes)) { break; }
         u->held_used += u->later.n_fixed;
+        if (!searches_each_epoch(nav)) { tell_floats(nav); }
         end_epoch(nav);
         break;
     }

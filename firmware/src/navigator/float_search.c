@@ -4,22 +4,37 @@
 
 #include "pelorus/math.h"
 
-#define RESOLVE_EPOCHS    2   /* of the youngest ambiguity that may be resolved */
-#define RESOLVE_AFTER_S   0.9 /* and its age */
-#define TRIES_BESIDE_HELD 6   /* searches an epoch: each leaves out one ambiguity more */
-#define FEWEST_ALONE      5   /* ambiguities that may be resolved together */
-#define TRIES_ALONE       2
-#define AGREE_ALONE       3
-#define AGREE_BESIDE_HELD 2
-#define FIT_ALONE         0.9 /* quantile of the misfit: a right vector that is refused comes again at the next epoch */
-#define FIT_BESIDE_HELD   0.999
-#define MISFIT_FLOATS     5
+#define RESOLVE_EPOCHS  2   /* of the youngest ambiguity that may be resolved */
+#define RESOLVE_AFTER_S 0.9 /* and its age */
+#define MISFIT_FLOATS   5
 #define FAILURE_FACTOR                                                                                                 \
     10.0 /* epochs far apart that agree: one may promise this much less, of which a tenth is seen (make promise) */
-#define RESOLVE_RATIO   3.0
-#define RESOLVE_SUCCESS 0.99
-#define INTEGER_SD_CYC  1e-3 /* conditioning on an integer */
-#define FAR_APART_S     10.0 /* epochs with errors of their own */
+#define RESOLVE_RATIO  3.0
+#define INTEGER_SD_CYC 1e-3 /* conditioning on an integer */
+#define FAR_APART_S    10.0 /* epochs with errors of their own */
+
+/* What a search must show. */
+typedef struct {
+    int tries;      /* searches an epoch: each leaves out one ambiguity more */
+    int fewest;     /* ambiguities that may be resolved together */
+    int agree;      /* epochs with the same integers */
+    double fit;     /* quantile of the misfit */
+    double success; /* bootstrapped */
+    bool by_ratio;  /* or a ratio that keeps the promise */
+} rule_t;
+
+/* Alone a misfit may be refused at 90 %: the filter's floats are a second opinion, and a right vector comes again at the next epoch. Where they
+ * are all there is (S2 section 14) they are carried for long, and what does not fit now will not fit soon. */
+static const rule_t BESIDE_HELD = {
+    .tries = 6, .fewest = 1, .agree = 2, .fit = 0.999, .success = 0.99, .by_ratio = true};
+static const rule_t ALONE = {.tries = 2, .fewest = 5, .agree = 3, .fit = 0.9, .success = 0.99, .by_ratio = true};
+static const rule_t ALL_THERE_IS = {.tries = 2, .fewest = 4, .agree = 3, .fit = 0.999, .success = 0.999};
+
+static const rule_t *rule_of(const pel_navigator_t *nav, const pel_nav_chosen_t *c)
+{
+    if (c->beside_held) { return &BESIDE_HELD; }
+    return pel_nav_preset(pel_nav_preset_in_use(nav))->each_epoch ? &ALONE : &ALL_THERE_IS;
+}
 
 static bool is_settled(pel_navigator_t *nav, const pel_tracked_t *t)
 {
@@ -45,7 +60,7 @@ static void collect(pel_navigator_t *nav, const pel_nav_chosen_t *c)
 static bool load(pel_navigator_t *nav, const pel_nav_chosen_t *c)
 {
     const double *a = pel_ils_room_for_a(&nav->ils), *Q = pel_ils_room_for_Q(&nav->ils);
-    if (c->tries <= 0 || c->n < (c->beside_held ? 1 : FEWEST_ALONE)) { return false; }
+    if (c->tries <= 0 || c->n < rule_of(nav, c)->fewest) { return false; }
     collect(nav, c);
     if (pel_ils_init(&nav->ils, c->n, a, Q, 2, nav->cfg.node_budget) != PEL_OK) { return false; }
     pel_ils_decorrelate_to_the_end(&nav->ils);
@@ -62,13 +77,14 @@ static void judge(const pel_navigator_t *nav, const pel_nav_chosen_t *c, bool pr
     out->success = pel_ils_success(&nav->ils);
     const double factor = (agreed_s >= FAR_APART_S) ? FAILURE_FACTOR : 1.0;
     const double failure_max = factor * (double)nav->cfg.failure_max;
-    const double fit_p = c->beside_held ? FIT_BESIDE_HELD : FIT_ALONE;
-    const bool promised = out->success >= RESOLVE_SUCCESS || out->ratio >= pel_ils_ratio_needed(&nav->ils, failure_max);
-    out->reason = !proved                                  ? PEL_INT_BUDGET
-                  : !promised                              ? PEL_INT_SUCCESS
-                  : (sq > pel_chi2_threshold(c->n, fit_p)) ? PEL_INT_CHI2
-                  : (out->ratio < RESOLVE_RATIO)           ? PEL_INT_RATIO
-                                                           : PEL_INT_OK;
+    const rule_t *rule = rule_of(nav, c);
+    const bool promised =
+        out->success >= rule->success || (rule->by_ratio && out->ratio >= pel_ils_ratio_needed(&nav->ils, failure_max));
+    out->reason = !proved                                      ? PEL_INT_BUDGET
+                  : !promised                                  ? PEL_INT_SUCCESS
+                  : (sq > pel_chi2_threshold(c->n, rule->fit)) ? PEL_INT_CHI2
+                  : (out->ratio < RESOLVE_RATIO)               ? PEL_INT_RATIO
+                                                               : PEL_INT_OK;
 }
 
 /* Leave out one: the least certain where the problem is weak, else the one farthest from its integer. */
@@ -147,10 +163,9 @@ static double agreed_for_s(const pel_navigator_t *nav, const pel_nav_chosen_t *c
 }
 
 /* Epochs that agree are worth more than one that is sure of itself. Far apart, with errors of their own, two are enough. */
-static bool agree(const pel_nav_chosen_t *c, double agreed_s, int epochs)
+static bool agree(const rule_t *rule, double agreed_s, int epochs)
 {
-    const int often = c->beside_held ? AGREE_BESIDE_HELD : AGREE_ALONE;
-    return epochs >= ((agreed_s >= FAR_APART_S) ? 2 : often);
+    return epochs >= ((agreed_s >= FAR_APART_S) ? 2 : rule->agree);
 }
 
 /* Float ambiguities that fit no integers for long hold a slip that nobody saw: they begin anew. True: so it was, and what was chosen of
@@ -170,7 +185,9 @@ static bool watch_floats(pel_navigator_t *nav, const pel_nav_integers_t *out)
 bool pel_nav_track_search_begin(pel_navigator_t *nav, bool held)
 {
     pel_nav_chosen_t *c = &nav->update.chosen;
-    *c = (pel_nav_chosen_t){.beside_held = held, .tries = held ? TRIES_BESIDE_HELD : TRIES_ALONE};
+    *c = (pel_nav_chosen_t){.beside_held = held};
+    c->tries = rule_of(nav, c)->tries;
+    nav->update.later.reason = PEL_INT_NOT_TRIED;
     for (int i = 0; i < nav->track.n && c->n < PEL_MAX_AMB; i++) {
         if (is_settled(nav, &nav->track.entry[i])) { c->entry[c->n++] = (uint8_t)i; }
     }
@@ -183,14 +200,15 @@ static bool end_of_one(pel_navigator_t *nav, pel_nav_chosen_t *c, bool proved, p
     int64_t N[PEL_MAX_AMB];
     double sq = 0.0;
     if (pel_ils_get(&nav->ils, 0, N, &sq) != PEL_OK) { return true; }
-    const bool first = c->tries == (c->beside_held ? TRIES_BESIDE_HELD : TRIES_ALONE);
+    const rule_t *rule = rule_of(nav, c);
+    const bool first = c->tries == rule->tries;
     if (first) { note_candidates(nav, c, N); }
     int epochs;
     const double agreed_s = agreed_for_s(nav, c, N, &epochs);
     judge(nav, c, proved, sq, agreed_s, out);
     if (first && !c->beside_held && watch_floats(nav, out)) { return true; }
     if (out->reason == PEL_INT_OK) {
-        if (agree(c, agreed_s, epochs)) { condition(nav, c, N, out); }
+        if (agree(rule, agreed_s, epochs)) { condition(nav, c, N, out); }
         return true;
     }
     leave_one_out(nav, N, out->reason == PEL_INT_SUCCESS, c);

@@ -108,7 +108,7 @@ static bool fill_problem(const pel_navigator_t *nav, double mask_rad, pel_amb_pr
     return true;
 }
 
-static void count_verdict(pel_nav_counters_t *c, pel_int_reason_t reason)
+void pel_nav_count_verdict(pel_nav_counters_t *c, pel_int_reason_t reason)
 {
     c->fix_tried++;
     switch (reason) {
@@ -171,6 +171,6 @@ bool pel_nav_resolve_step(pel_navigator_t *nav, int32_t max_nodes, pel_nav_integ
         out->N[i] = (int32_t)N[r];
         out->n_fixed++;
     }
-    count_verdict(&nav->counters, out->reason);
+    pel_nav_count_verdict(&nav->counters, out->reason);
     return true;
 }

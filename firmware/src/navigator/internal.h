@@ -135,6 +135,7 @@ double pel_nav_iono_sd_m(const pel_navigator_t *nav);
  * few, out says so. A step returns true when out is there. */
 bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out);
 bool pel_nav_resolve_step(pel_navigator_t *nav, int32_t max_nodes, pel_nav_integers_t *out);
+void pel_nav_count_verdict(pel_nav_counters_t *c, pel_int_reason_t reason);
 
 /* ---- rows.c ---- */
 
