@@ -36,6 +36,9 @@ promise: all ## wrong fixes of simulated epochs beside the promised rate: table,
 replay: all ## replay real recordings, one table
 	@cmake/bootstrap.sh test && $(PYTHON) -m replay $(ARGS)
 
+campaign: all ## the published systems over seeds: paper, bound and ours; writes the tables of docs/ACCURACY.md
+	@cmake/bootstrap.sh test && $(CMAKE_HOST) --target presets-test_s3 && $(PYTHON) -m campaign --docs docs/ACCURACY.md $(ARGS)
+
 faults: all ## every fault on every line in every phase against its table; writes docs/FAULTS.md
 	@cmake/bootstrap.sh test && $(PYTHON) tests/scenario/fault_campaign.py --docs docs/FAULTS.md $(ARGS)
 
@@ -63,4 +66,4 @@ clean: ## remove what was built, keep what was fetched
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /  make \1\t/p' $(MAKEFILE_LIST) | expand -t 20
 
-.PHONY: all demo test firmware pil sizes check bench promise replay faults survival fuzz prove coverage format asan clean help
+.PHONY: all demo test firmware pil sizes check bench promise replay campaign faults survival fuzz prove coverage format asan clean help

@@ -1,13 +1,13 @@
 """Running the programs on a scenario, and reading what they print. Programs are found by PATH, as a user's would be."""
 
 import csv
-import re
 import subprocess
 import time
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
+from campaign import scenario
 from pelorus_tools import outlog, stats, truth
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,26 +21,18 @@ def call(*command, ok=(0,)):
     return done
 
 
-def edited(folder, scenario, edits):
-    """A copy of a scenario with lines changed: edits are (section or '', key, value text)."""
-    lines, section, todo = [], "", {(s, k): v for s, k, v in edits}
-    for line in (SCENARIOS / f"{scenario}.toml").read_text().splitlines():
-        header = re.match(r"\[+([\w.]+)\]+", line)
-        section = header.group(1) if header else section
-        key = re.match(r"(\w+)\s*=", line)
-        if key and (section, key.group(1)) in todo:
-            line = f"{key.group(1)} = {todo.pop((section, key.group(1)))}"
-        lines.append(line)
-    assert not todo, f"{scenario}.toml has no {list(todo)}"
-    path = Path(folder) / f"{scenario}_edited.toml"
-    path.write_text("\n".join(lines) + "\n")
+def edited(folder, name, edits):
+    """A copy of a scenario with lines changed: edits are (table or '', key, value text)."""
+    changes = {f"{table}.{key}".lstrip("."): value for table, key, value in edits}
+    path = Path(folder) / f"{name}_edited.toml"
+    path.write_text(scenario.edited((SCENARIOS / f"{name}.toml").read_text(), changes))
     return path
 
 
-def simulate(folder, scenario, seed=1, duration=None, edits=()):
+def simulate(folder, name, seed=1, duration=None, edits=()):
     """A capture of a scenario."""
-    source = edited(folder, scenario, edits) if edits else SCENARIOS / f"{scenario}.toml"
-    capture = Path(folder) / f"{scenario}_{seed}.log"
+    source = edited(folder, name, edits) if edits else SCENARIOS / f"{name}.toml"
+    capture = Path(folder) / f"{name}_{seed}.log"
     call("pelorus-sim", source, "-o", capture, "--seed", seed, "-q", *(["--duration", duration] if duration else []))
     return capture
 
@@ -79,11 +71,4 @@ class Result:
         return (self.sol["t_ns"] - start_ns) * 1e-9
 
     def nees(self, group):
-        """e' P^-1 e of each solution with the full 3 x 3 covariance."""
-        packed = self.sol[{"pos": "cov_r_ned", "vel": "cov_v_ned", "att": "cov_att"}[group]].astype(float)
-        P = packed[:, (0, 1, 2, 1, 3, 4, 2, 4, 5)].reshape(-1, 3, 3)
-        e = self.errors.err[group]
-        good = np.isfinite(e).all(1) & (np.abs(np.linalg.det(P)) > 0)
-        out = np.full(len(e), np.nan)
-        out[good] = np.einsum("ni,ni->n", e[good], np.linalg.solve(P[good], e[good][..., None])[..., 0])
-        return out
+        return stats.nees(self.sol, self.errors, group)

@@ -55,6 +55,17 @@ class Errors:
         self.horizontal = np.hypot(self.err["pos"][:, 0], self.err["pos"][:, 1])
 
 
+def nees(sol, errors, group):
+    """e' P^-1 e of each solution with the full 3 x 3 covariance; nan where there is nothing to compare."""
+    packed = sol[{"pos": "cov_r_ned", "vel": "cov_v_ned", "att": "cov_att"}[group]].astype(float)
+    P = packed[:, (0, 1, 2, 1, 3, 4, 2, 4, 5)].reshape(-1, 3, 3)
+    e = errors.err[group]
+    good = np.isfinite(e).all(1) & (np.abs(np.linalg.det(P)) > 0)
+    out = np.full(len(e), np.nan)
+    out[good] = np.einsum("ni,ni->n", e[good], np.linalg.solve(P[good], e[good][..., None])[..., 0])
+    return out
+
+
 def rms(x):
     return float(np.sqrt(np.mean(np.square(x)))) if x.size else float("nan")
 

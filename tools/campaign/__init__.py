@@ -1,0 +1,1 @@
+"""make campaign: scenarios over seeds against the published figures."""

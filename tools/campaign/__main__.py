@@ -1,0 +1,75 @@
+"""make campaign: the published systems over seeds, one table of paper, bound and ours.
+
+    python -m campaign [--only TEXT] [--quick] [--jobs N] [--docs FILE]      exit 1 if a figure misses its bound
+"""
+
+import os
+import subprocess
+import sys
+import tempfile
+import tomllib
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+from campaign import fly, judge
+from pelorus_tools import cli
+
+TABLE = Path(__file__).with_name("table.toml")
+BEGIN, END = "<!-- make campaign writes from here -->", "<!-- to here -->"
+
+
+def campaign(cases, count, jobs, progress=None):
+    """[(case, pooled figures)]: `count` names the key that says how many seeds."""
+    with tempfile.TemporaryDirectory(prefix="campaign-") as folder, ProcessPoolExecutor(jobs) as pool:
+        flights = [[pool.submit(fly.fly, c, seed, folder) for seed in range(1, c[count] + 1)] for c in cases]
+        total, done, found = sum(map(len, flights)), 0, []
+        for case, futures in zip(cases, flights, strict=True):
+            figures = []
+            for future in futures:
+                figures.append(future.result())
+                done += 1
+                if progress:
+                    progress(done / total)
+            found.append((case, fly.pool(figures)))
+    return found
+
+
+def trials(rows):
+    """[(row, the line its program prints)]; each program runs once."""
+    printed = {}
+    for program in dict.fromkeys(r["program"] for r in rows):
+        path = fly.ROOT / "build" / "host" / "tests" / "unit" / program
+        printed[program] = subprocess.run([path], check=True, capture_output=True, text=True).stdout.splitlines()
+    return [(r, next(line.strip() for line in printed[r["program"]] if line.strip().startswith(r["line"] + ","))) for r in rows]
+
+
+def write(page, table):
+    before, _, rest = page.read_text().partition(BEGIN)
+    page.write_text(f"{before}{BEGIN}\n\n{table}\n{END}{rest.partition(END)[2]}")
+
+
+def body(argv):
+    p = cli.Parser(prog="campaign", description=__doc__)
+    p.add_argument("--only", default="", metavar="TEXT", help="cases whose system and name contain this")
+    p.add_argument("--quick", action="store_true", help="the seeds of the tests; bounds hold for sigma, errors are held against it")
+    p.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes (all cores)")
+    p.add_argument("--docs", metavar="FILE", help="write the table into this page")
+    args = p.parse_args(argv)
+    with TABLE.open("rb") as f:
+        table = tomllib.load(f)
+    count = "quick" if args.quick else "seeds"
+    wanted = lambda c: args.only.lower() in f"{c['system']} {c['name']}".lower()
+    cases = [c for c in table["case"] if wanted(c) and c[count] > 0]
+    found = campaign(cases, count, args.jobs, cli.Progress("flights", args.quiet))
+    tried = trials([r for r in table["trial"] if wanted(r)]) if not args.quick else []
+    text = "\n".join([judge.words(case, f) for case, f in found] + ([judge.trial_words(tried)] if tried else []))
+    print(text)
+    if args.docs:
+        write(Path(args.docs), text)
+    bad = [f"{case['system']} {case['name']}: {c}" for case, f in found for c in judge.complaints(case, f, args.quick)]
+    print("\n".join(bad) if bad else f"{len(found)} cases within their bounds", file=sys.stderr)
+    return cli.MISSED if bad else cli.DONE
+
+
+if __name__ == "__main__":
+    sys.exit(cli.run("campaign", body, None))
