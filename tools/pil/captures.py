@@ -35,10 +35,11 @@ def recorded(name, seconds):
     return make
 
 
-QUICK = {"leg": simulated("scenarios/s5_leg.toml", 12)}
+QUICK = {"leg": simulated("scenarios/s5_leg.toml", 12), "float": simulated("scenarios/s2_flight.toml", 12)}
 ALL = {
     "leg": simulated("scenarios/s5_leg.toml", 90),
     "car": simulated("scenarios/car.toml", 60),
+    "float": simulated("scenarios/s2_flight.toml", 60),
     "walk": recorded("walk-imu-ubx-2025", 40),
     "geonet": recorded("geonet-0759-3040", 900),
 }
