@@ -259,6 +259,18 @@ static void end_epoch(pel_navigator_t *nav)
     if (nav->have_state) { finish(nav, &nav->update); }
 }
 
+/* The search may last; the covariance is already that of after the rows, so the output goes on from there too. */
+static bool begin_float_search(pel_navigator_t *nav)
+{
+    const bool ins = nav->ins;
+    if (!nav->relative || !nav->cfg.integers) { return false; }
+    if (!pel_nav_track_search_begin(nav, is_fixed(nav, &nav->update))) { return false; }
+    pel_nav_predict_now(nav);
+    if (nav->ins != ins) { return false; } /* a damaged ring has ended the INS and with it the floats */
+    nav->search = PEL_NAV_SEARCH_FLOATS;
+    return true;
+}
+
 /* Rows with every N that is known; then integers of the float ones. */
 static void use_rows(pel_navigator_t *nav)
 {
@@ -288,11 +300,7 @@ static void use_rows(pel_navigator_t *nav)
     for (int i = 0; u->phased && i < nav->sd.n; i++) {
         if (u->misfit[i]) { pel_nav_track_drop(nav, &nav->sd.sd[i]); }
     }
-    if (nav->relative && nav->cfg.integers && pel_nav_track_search_begin(nav, is_fixed(nav, u))) {
-        nav->search = PEL_NAV_SEARCH_FLOATS;
-    } else {
-        end_epoch(nav);
-    }
+    if (!begin_float_search(nav)) { end_epoch(nav); }
 }
 
 static bool searches_each_epoch(const pel_navigator_t *nav)
