@@ -186,7 +186,7 @@ typedef struct {
     double r_ea_e[3], v_ea_e[3];
     double clk_m; /* receiver clock (tag - true time) times c, by the first system used */
     double clk_rate_mps;
-    double isb_m[PEL_N_SYS]; /* clock of each other system minus the first one's; 0 where unused */
+    double isb_m[PEL_N_SYS]; /* clock of each other system minus the first one's; 0 where unused, and for QZSS */
     double cov_r_e[3][3];    /* m^2; scaled up by the residuals' variance where that exceeds one */
     double cov_v_e[3][3];    /* (m/s)^2, likewise */
     double rms_m;            /* weighted residuals, code: sqrt(v'Wv / dof) in units of 1 sigma (0 if dof = 0) */
@@ -203,7 +203,7 @@ typedef struct {
  *
  * One code a satellite, on its first carrier in the order L1, B1I, then as numbered. Ionosphere: Klobuchar scaled to the
  * carrier, nominal where nothing is broadcast; a second carrier is not used for it, because the difference of two codes
- * would treble their noise. One clock a system. If the residuals fail their chi-square test, the satellite with the largest normalised
+ * would treble their noise. One clock a system, QZSS on GPS's. If the residuals fail their chi-square test, the satellite with the largest normalised
  * residual is excluded, max_exclude times at most (Baarda 1968); never below one redundant satellite.
  *
  * Returns PEL_OK; PEL_W_REJECTED (delivered, but the residuals still fail: covariance scaled, treat as doubtful);
@@ -264,8 +264,8 @@ pel_status_t pel_sd_add_missing(const pel_epoch_t *rover, const pel_view_t *rove
                                 const pel_view_t *base_view, const pel_noise_config_t *noise, double base_age_s,
                                 pel_sd_set_t *out);
 
-/* The same rows for a receiver alone: observed minus predicted. Differences within a group remove the receiver's clock as
- * before; what is not common to satellites (orbit, clock, atmosphere) is in the variance of the code, and of the rate by
+/* The same rows for a receiver alone: observed minus predicted. GPS and QZSS share a group: their clocks agree to 2 m and their signals are
+ * the same. Differences within a group remove the receiver's clock as before; what is not common to satellites (orbit, clock, atmosphere) is in the variance of the code, and of the rate by
  * what it changes per second. Phases are delivered with has_phase only for use by time differences: their integers are
  * not those of a double difference. */
 pel_status_t pel_sd_undifferenced(const pel_epoch_t *rover, const pel_view_t *view, const pel_noise_config_t *noise,

@@ -229,6 +229,7 @@ typedef struct {
     pel_nav_integers_t ints;     /* of this epoch alone */
     pel_nav_integers_t later;    /* of the float states after the update */
     pel_nav_chosen_t chosen;     /* which of them are searched */
+    double code_inflated_by;     /* variances of a single receiver's codes, for the length of their errors; 0: not */
     float base_age_s, nis;
     uint16_t nis_dof, flags;
     pel_nav_phases_t phases;     /* every N, held or float */

@@ -94,12 +94,17 @@ static void pivot_first(pel_sd_set_t *out, int first)
     out->sd[first].pivot = true;
 }
 
-/* Insert by prn among rows first..n-1 of the group being built; a satellite that is there already stays as it is. */
+static int order(const pel_sd_t *d)
+{
+    return 256 * d->sys + d->prn;
+}
+
+/* Insert by satellite among rows first..n-1 of the group being built; one that is there already stays as it is. */
 static void insert_row(pel_sd_set_t *out, int first, const pel_sd_t *d)
 {
     int at = out->n;
-    while (at > first && out->sd[at - 1].prn > d->prn) { at--; }
-    if ((at > first && out->sd[at - 1].prn == d->prn) || out->n >= PEL_MAX_OBS) { return; }
+    while (at > first && order(&out->sd[at - 1]) > order(d)) { at--; }
+    if ((at > first && order(&out->sd[at - 1]) == order(d)) || out->n >= PEL_MAX_OBS) { return; }
     for (int i = out->n; i > at; i--) { out->sd[i] = out->sd[i - 1]; }
     out->sd[at] = *d;
     out->sd[at].group = (uint8_t)out->n_groups;
@@ -218,29 +223,38 @@ static void carriers_of(const pel_epoch_t *e, unsigned carriers[PEL_N_SYS])
     }
 }
 
-/* Append the rows of all systems but these. */
-static pel_status_t form(const pair_t *p, unsigned but, pel_sd_set_t *out)
+/* Append one group: the rows of these systems on one carrier. */
+static void form_group(const pair_t *p, unsigned systems, int carrier, pel_sd_set_t *out)
 {
     pel_sd_t d;
+    const int first = out->n;
+    for (int i = 0; i < p->rover->n && i < PEL_MAX_OBS; i++) {
+        const pel_obs_t *obs = &p->rover->obs[i];
+        if (obs->carrier != carrier || obs->sys >= PEL_N_SYS || (systems & (1u << obs->sys)) == 0) { continue; }
+        const pel_sight_t *s = pel_view_find(p->rover_view, obs->sys, obs->prn);
+        if (s == NULL || s->excluded) { continue; }
+        const bool made = (p->base != NULL) ? differenced_row(p, i, s, &d) : single_receiver_row(p, obs, s, &d);
+        if (made) { insert_row(out, first, &d); }
+    }
+    if (out->n == first) { return; }
+    pivot_first(out, first);
+    out->n_groups++;
+}
+
+/* Append the rows of all systems but these. QZSS is on GPS time to 2 m and its signals are GPS's own (IS-QZSS-PNT), so a receiver alone sees one
+ * clock in both; rover minus base keeps them apart. */
+static pel_status_t form(const pair_t *p, unsigned but, pel_sd_set_t *out)
+{
     unsigned carriers[PEL_N_SYS];
     const int before = out->n;
+    const unsigned joined = (p->base == NULL) ? 1u << PEL_SYS_QZS : 0u; /* to GPS */
     carriers_of(p->rover, carriers);
-    for (int sys = 0; sys < PEL_N_SYS; sys++) {
-        if ((but & (1u << sys)) != 0) { continue; }
-        for (int carrier = 0; carrier < PEL_N_CARRIER; carrier++) {
-            if ((carriers[sys] & (1u << carrier)) == 0u) { continue; }
-            const int first = out->n;
-            for (int i = 0; i < p->rover->n && i < PEL_MAX_OBS; i++) {
-                const pel_obs_t *obs = &p->rover->obs[i];
-                if (obs->carrier != carrier || obs->sys != sys) { continue; }
-                const pel_sight_t *s = pel_view_find(p->rover_view, obs->sys, obs->prn);
-                if (s == NULL || s->excluded) { continue; }
-                const bool made = (p->base != NULL) ? differenced_row(p, i, s, &d) : single_receiver_row(p, obs, s, &d);
-                if (made) { insert_row(out, first, &d); }
-            }
-            if (out->n == first) { continue; }
-            pivot_first(out, first);
-            out->n_groups++;
+    if (joined != 0u) { carriers[PEL_SYS_GPS] |= carriers[PEL_SYS_QZS]; }
+    for (unsigned sys = 0; sys < PEL_N_SYS; sys++) {
+        unsigned systems = (1u << sys) & ~(but | joined);
+        if (sys == PEL_SYS_GPS) { systems |= joined; }
+        for (int carrier = 0; systems != 0u && carrier < PEL_N_CARRIER; carrier++) {
+            if ((carriers[sys] & (1u << carrier)) != 0u) { form_group(p, systems, carrier, out); }
         }
     }
     return (out->n > before) ? PEL_OK : PEL_E_MISSING;

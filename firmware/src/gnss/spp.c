@@ -20,7 +20,7 @@ typedef struct {
     bool sky;                  /* elevations and atmosphere are known */
     double x[3];               /* antenna position, or velocity */
     double r[3];               /* antenna position of the last atmosphere (code), of the antenna (rate) */
-    double clk[PEL_N_SYS];     /* receiver clock or its rate; in the rate problem [0] serves all systems */
+    double clk[PEL_N_SYS];     /* receiver clock or its rate, by clock_of() */
     int column[PEL_N_SYS];     /* of that clock among the unknowns, -1 none */
     int16_t obs[PEL_MAX_SATS]; /* observation of each sight, -1 none */
     bool out[PEL_MAX_SATS];    /* refused */
@@ -104,12 +104,18 @@ static double variance(const problem_t *p, int i)
     return code_sd * code_sd * law + iono_sd * iono_sd + tropo_sd * tropo_sd + eph_sd * eph_sd;
 }
 
+/* Which of the clocks a system is on: rates have one for all, QZSS is on GPS time to 2 m with GPS's own signals. */
+static int clock_of(const problem_t *p, uint8_t sys)
+{
+    return (p->rate || sys == PEL_SYS_QZS) ? PEL_SYS_GPS : sys;
+}
+
 /* Observation equation of sight i: z = h dx. */
 static double row(const problem_t *p, int i, double h[NORMAL_MAX])
 {
     const pel_sight_t *s = &p->view->sight[i];
     const pel_obs_t *obs = &p->e->obs[p->obs[i]];
-    const int k = p->rate ? 0 : s->sys;
+    const int k = clock_of(p, s->sys);
     memset(h, 0, sizeof(double) * NORMAL_MAX);
     for (int j = 0; j < 3; j++) { h[j] = -s->u_e[j]; }
     h[p->column[k]] = 1.0;
@@ -125,7 +131,7 @@ static int number_unknowns(problem_t *p)
     p->n_used = 0;
     for (int i = 0; i < p->view->n; i++) {
         if (!takes_part(p, i)) { continue; }
-        present[p->rate ? 0 : p->view->sight[i].sys] = true;
+        present[clock_of(p, p->view->sight[i].sys)] = true;
         p->n_used++;
     }
     for (int k = 0; k < PEL_N_SYS; k++) { p->column[k] = (present[k] && n < NORMAL_MAX) ? n++ : -1; }
@@ -243,7 +249,7 @@ static void solve_velocity(problem_t *p, pel_nav_counters_t *count, pel_spp_t *o
         return;
     }
     memcpy(out->v_ea_e, p->x, sizeof out->v_ea_e);
-    out->clk_rate_mps = p->clk[0];
+    out->clk_rate_mps = p->clk[PEL_SYS_GPS];
     (void)scaled_covariance(p, out->cov_v_e);
     out->has_velocity = true;
 }

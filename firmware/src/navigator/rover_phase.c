@@ -186,6 +186,7 @@ void pel_nav_rover_weigh_codes(pel_navigator_t *nav, double gap_s, bool phased)
     const bool carried = phased && pel_time_diff_s(nav->at_horizon.t_ns, nav->track.carried_from_ns) > CARRIED_S;
     const bool begins = phased && nav->track.n == 0;
     if (nav->epoch_before_ns == 0) { return; } /* one epoch alone: nothing to correlate */
+    if (!begins) { nav->update.code_inflated_by = brief; }
     for (int i = 0; i < nav->sd.n; i++) {
         pel_sd_t *sd = &nav->sd.sd[i];
         uint16_t *told = &nav->track.codes_told[sd->sys][sd->prn % PEL_NAV_PRNS];

@@ -73,7 +73,9 @@ static int screen(const pel_navigator_t *nav, const update_t *u, int first, int 
         const double off = value(sd, kind) - middle;
         const bool coarse = n > 2 && off * off > 25.0 * var;
         keep[i] = !coarse;
-        if (keep[i] && (pivot < 0 || sd->pivot)) { pivot = i; }
+        const bool better =
+            pivot < 0 || ((kind == RATE) ? variance(sd, kind) < variance(&set->sd[pivot], kind) : sd->pivot);
+        if (keep[i] && better) { pivot = i; }
     }
     return pivot;
 }
@@ -174,6 +176,17 @@ static bool update_robustly(pel_navigator_t *nav, pel_row_t *row, pel_real *nis)
     return pel_ud_update(&nav->ud, row->h, row->first, row->z, row->var, 0, NULL) == PEL_OK;
 }
 
+/* A row whose variance was inflated, because its error will be the same in many epochs, passes every gate. How likely one error of its size
+ * is goes by the variance before that; the farther out, the less it moves the state. Only an INS knows where it is well enough to judge. */
+static void weaken_reflection(const pel_navigator_t *nav, double inflated_by, pel_row_t *row)
+{
+    if (!nav->ins || !(inflated_by > 1.0)) { return; }
+    const double var = (double)pel_ud_hph(&nav->ud, row->h, row->first) + (double)row->var / inflated_by;
+    const double nis = (double)row->z * (double)row->z / var;
+    const double huber_sq = (double)HUBER_SIGMA * (double)HUBER_SIGMA;
+    if (nis > huber_sq) { row->var *= (pel_real)(nis / huber_sq); }
+}
+
 /* One kind of measurement of one group: double differences against the pivot, whitened, into the filter. */
 static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t *axes, int first, int last,
                          kind_t kind)
@@ -197,6 +210,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t
         const double var_row = (double)row.var; /* as nis judges it */
         const bool learns = whitened && nav->noise_level.learning && kind != RATE && (nav->relative || kind == PHASE);
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
+        if (whitened && kind == CODE) { weaken_reflection(nav, u->code_inflated_by, &row); }
         const bool used = whitened && update_robustly(nav, &row, &nis);
         if (used && learns) {
             const int level = (kind == PHASE && !nav->relative) ? PEL_NAV_LEVEL_ROVER : (int)kind;
@@ -229,9 +243,10 @@ void pel_nav_update_rows(pel_navigator_t *nav, update_t *u)
         while (last < set->n && set->sd[last].group == set->sd[first].group) { last++; }
         if (nav->relative) { update_group(nav, u, &axes, first, last, PHASE); }
         if (code) { update_group(nav, u, &axes, first, last, CODE); }
-        if (rates) { update_group(nav, u, &axes, first, last, RATE); }
         first = last;
     }
+    /* One oscillator: the rate of the receiver's clock is common to all systems and carriers. */
+    if (rates) { update_group(nav, u, &axes, 0, set->n, RATE); }
 }
 
 void pel_nav_start_reports(pel_navigator_t *nav)

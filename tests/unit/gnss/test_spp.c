@@ -160,6 +160,47 @@ static void a_clock_between_systems_is_solved_for(void)
     TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 1e-2);
 }
 
+/* GPS satellites 11 to 20 become J01 to J10: numbers that GPS has as well. */
+static void hand_some_to_qzss(pel_epoch_t *epoch)
+{
+    for (int i = 0; i < o.n; i++) {
+        pel_ephemeris_t *eph = &o.eph[i];
+        if (eph->sys != PEL_SYS_GPS || eph->prn < 11 || eph->prn > 20) { continue; }
+        eph->sys = PEL_SYS_QZS;
+        eph->prn = (uint8_t)(eph->prn - 10);
+    }
+    for (int i = 0; i < epoch->n; i++) {
+        pel_obs_t *obs = &epoch->obs[i];
+        if (obs->sys != PEL_SYS_GPS || obs->prn < 11 || obs->prn > 20) { continue; }
+        obs->sys = PEL_SYS_QZS;
+        obs->prn = (uint8_t)(obs->prn - 10);
+    }
+}
+
+/* Two clocks would ask for five. */
+static void four_satellites_of_gps_and_qzss_are_a_position(void)
+{
+    const scene_t s = scene_default();
+    static pel_epoch_t four;
+    int qzss = 0;
+    scene_observe(&s, &o, SKY_T0, GPS, &e);
+    hand_some_to_qzss(&e);
+    memset(&four, 0, sizeof four);
+    four.t_ns = e.t_ns;
+    for (int i = 0; i < e.n; i++) {
+        const pel_obs_t *obs = &e.obs[i];
+        const int of_system = (obs->sys == PEL_SYS_QZS) ? qzss : four.n - qzss;
+        if (obs->carrier != PEL_CARRIER_L1 || of_system >= 2) { continue; }
+        four.obs[four.n++] = *obs;
+        qzss += obs->sys == PEL_SYS_QZS;
+    }
+    TEST_ASSERT_EQUAL(4, four.n);
+    TEST_ASSERT_EQUAL(2, qzss);
+    TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&four, &o, &cfg, NULL, &count, &view, &out));
+    TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 1e-2);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, out.isb_m[PEL_SYS_QZS]);
+}
+
 static void the_ionosphere_is_never_ignored(void)
 {
     const scene_t s = scene_default();
@@ -239,6 +280,7 @@ int main(void)
     RUN_TEST(faults_are_excluded_three_at_most);
     RUN_TEST(one_wrong_doppler_does_not_move_the_velocity);
     RUN_TEST(a_clock_between_systems_is_solved_for);
+    RUN_TEST(four_satellites_of_gps_and_qzss_are_a_position);
     RUN_TEST(the_ionosphere_is_never_ignored);
     RUN_TEST(more_satellites_than_room_are_dropped_and_counted);
     RUN_TEST(a_view_from_nowhere_is_refused);
