@@ -128,24 +128,38 @@ static void trailing_columns(pel_ud_t *ud, const pel_transition_t *t, int rows)
     }
 }
 
-/* The rotations of one row applied to two rows above it: the coefficients are loaded once for both. */
-static void rotate_two(pel_real *a, pel_real *b, const pel_real *c, const pel_real *g, int n, pel_real *ua,
-                       pel_real *ub)
+/* The rotations of one row applied to four rows above it: the coefficients are loaded once for all. u: their elements in the
+ * diagonal's column. */
+static void rotate_four(pel_real W[4][WIDTH], int from, const pel_real *c, const pel_real *g, int n, pel_real u[4])
 {
-    pel_real u = *ua;
-    pel_real v = *ub;
-    for (int k = 0; k < n; k++) {
-        const pel_real ck = c[k];
-        const pel_real gk = g[k];
-        const pel_real s = a[k] - ck * u;
-        const pel_real t = b[k] - ck * v;
-        a[k] = s;
-        b[k] = t;
-        u += gk * s;
-        v += gk * t;
+    pel_real *w = &W[0][from];
+    pel_real *x = &W[1][from];
+    pel_real *y = &W[2][from];
+    pel_real *z = &W[3][from];
+    pel_real p = u[0];
+    pel_real q = u[1];
+    pel_real r = u[2];
+    pel_real s = u[3];
+    for (const pel_real *end = c + n; c != end; c++) {
+        const pel_real ck = *c;
+        const pel_real gk = *g++;
+        const pel_real a = *w - ck * p;
+        const pel_real b = *x - ck * q;
+        const pel_real d = *y - ck * r;
+        const pel_real e = *z - ck * s;
+        *w++ = a;
+        *x++ = b;
+        *y++ = d;
+        *z++ = e;
+        p += gk * a;
+        q += gk * b;
+        r += gk * d;
+        s += gk * e;
     }
-    *ua = u;
-    *ub = v;
+    u[0] = p;
+    u[1] = q;
+    u[2] = r;
+    u[3] = s;
 }
 
 static pel_real rotate_one(pel_real *a, const pel_real *c, const pel_real *g, int n, pel_real u)
@@ -193,13 +207,10 @@ static bool triangularise(pel_ud_t *ud, work_t *w)
         ud->D[j] = D;
 
         pel_real *u = &ud->U[column(j)];
+        for (int i = 0; i < j; i++) { u[i] = w->W[i][nn + j] * scale; }
         int i = 0;
-        for (; i + 2 <= j; i += 2) {
-            u[i] = w->W[i][nn + j] * scale;
-            u[i + 1] = w->W[i + 1][nn + j] * scale;
-            rotate_two(&w->W[i][from], &w->W[i + 1][from], c, g, count, &u[i], &u[i + 1]);
-        }
-        if (i < j) { u[i] = rotate_one(&w->W[i][from], c, g, count, w->W[i][nn + j] * scale); }
+        for (; i + 4 <= j; i += 4) { rotate_four(&w->W[i], from, c, g, count, &u[i]); }
+        for (; i < j; i++) { u[i] = rotate_one(&w->W[i][from], c, g, count, u[i]); }
         const int first = (from > nn) ? from - nn : 0;
         for (i = first + 1; i < j; i++) {
             if (first < (int)w->start[i]) { w->start[i] = (uint8_t)first; }

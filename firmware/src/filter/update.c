@@ -3,75 +3,112 @@
 #include "pelorus/filter.h"
 #include "pelorus/math.h"
 
-/* f_j = (U' h)_j for j = first..n-1, rows before `first` being zero. Two columns and two rows at a time: half of the loads of h, a
- * quarter of the loop's own cost. */
+/* Columns before the first group of four; few rows of them are there. */
+static int lead_of(int first, int n)
+{
+    return first + (n - first) % 4;
+}
+
+/* f_j = (U' h)_j for j = first..n-1, rows before `first` being zero. Four columns at a time share each element of h. */
 static void project(const pel_ud_t *ud, const pel_real h[], int first, pel_real f[])
 {
-    const int n = ud->n;
+    const pel_real *start = &h[first];
     const pel_real *u = &ud->U[column(first) + first]; /* rows from `first` of column j */
     int j = first;
-    for (; j + 2 <= n; j += 2) {
-        const pel_real *v = u + j; /* of column j + 1 */
-        const pel_real *p = &h[first];
+    for (const int lead = lead_of(first, ud->n); j < lead; j++) {
+        pel_real a = PEL_R(0.0);
+        for (const pel_real *p = start; p != &h[j]; p++) { a += *u++ * *p; }
+        f[j] = h[j] + a;
+        u += first;
+    }
+    for (; j < ud->n; j += 4) {
+        const pel_real *v = u + j;
+        const pel_real *w = v + j + 1;
+        const pel_real *x = w + j + 2;
+        const pel_real *p = start;
         pel_real a = PEL_R(0.0);
         pel_real b = PEL_R(0.0);
-        for (const pel_real *end = &h[j]; p != end; p += 2) { /* j - first is even */
-            a += u[0] * p[0] + u[1] * p[1];
-            b += v[0] * p[0] + v[1] * p[1];
-            u += 2;
-            v += 2;
+        pel_real c = PEL_R(0.0);
+        pel_real d = PEL_R(0.0);
+        for (const pel_real *end = &h[j]; p != end; p++) {
+            a += *u++ * *p;
+            b += *v++ * *p;
+            c += *w++ * *p;
+            d += *x++ * *p;
         }
         f[j] = p[0] + a;
         f[j + 1] = p[1] + (b + v[0] * p[0]);
-        u = v + 1 + first;
-    }
-    if (j < n) {
-        pel_real a = h[j];
-        for (int i = first; i < j; i++) { a += u[i - first] * h[i]; }
-        f[j] = a;
+        f[j + 2] = p[2] + (c + w[0] * p[0] + w[1] * p[1]);
+        f[j + 3] = p[3] + (d + x[0] * p[0] + x[1] * p[1] + x[2] * p[2]);
+        u = x + 3 + first;
     }
 }
 
-/* Column j of U and the gain so far, rows 0..j-1: u' = u + lambda g, g' = g + g_j u (Bierman 1977, V.3). */
-static void fold_one(pel_real *u, pel_real *g, int j, pel_real lambda)
+/* The innovation variance over the columns so far takes in one more, whose D shrinks by its growth. Returns f over what it was. */
+static pel_real grow(pel_real *alpha, pel_real f, pel_real g, pel_real *D)
+{
+    const pel_real before = *alpha;
+    *alpha = before + f * g;
+    *D *= before / *alpha;
+    return f / before;
+}
+
+/* Column j of U and the gain so far, rows 0..j-1: u' = u - lambda g, g' = g + g_j u (Bierman 1977, V.3). Returns the next column. */
+static pel_real *fold_one(pel_real *u, pel_real *g, int j, pel_real lambda)
 {
     const pel_real gj = g[j];
-    for (int i = 0; i < j; i++) {
-        const pel_real old = u[i];
-        u[i] = old + lambda * g[i];
-        g[i] += gj * old;
+    for (const pel_real *end = u + j; u != end; g++) {
+        const pel_real old = *u;
+        const pel_real gain = *g;
+        *u++ = old - lambda * gain;
+        *g = gain + gj * old;
     }
+    return u;
 }
 
-/* The same for columns j and j + 1 with j even, two rows at a time: the gain is loaded and stored once for both columns. Returns the
- * column after them. */
-static pel_real *fold_two(pel_real *u, pel_real *g, int j, pel_real lambda_u, pel_real lambda_v)
+/* The same for columns j..j+3: each row of the gain is loaded and stored once for the four. */
+static pel_real *fold_four(pel_real *u, const pel_real *f, pel_real *g, pel_real *D, int j, pel_real *alpha)
 {
     pel_real *v = u + j;
+    pel_real *w = v + j + 1;
+    pel_real *x = w + j + 2;
     const pel_real gu = g[j];
     const pel_real gv = g[j + 1];
-    for (const pel_real *end = v; u != end; u += 2) {
-        const pel_real u0 = u[0];
-        const pel_real u1 = u[1];
-        const pel_real v0 = v[0];
-        const pel_real v1 = v[1];
-        const pel_real a0 = g[0];
-        const pel_real a1 = g[1];
-        const pel_real b0 = a0 + gu * u0;
-        const pel_real b1 = a1 + gu * u1;
-        u[0] = u0 + lambda_u * a0;
-        u[1] = u1 + lambda_u * a1;
-        v[0] = v0 + lambda_v * b0;
-        v[1] = v1 + lambda_v * b1;
-        g[0] = b0 + gv * v0;
-        g[1] = b1 + gv * v1;
-        v += 2;
-        g += 2;
+    const pel_real gw = g[j + 2];
+    const pel_real gx = g[j + 3];
+    const pel_real lu = grow(alpha, f[j], gu, &D[j]);
+    const pel_real lv = grow(alpha, f[j + 1], gv, &D[j + 1]);
+    const pel_real lw = grow(alpha, f[j + 2], gw, &D[j + 2]);
+    const pel_real lx = grow(alpha, f[j + 3], gx, &D[j + 3]);
+    for (const pel_real *end = v; u != end; g++) {
+        const pel_real u0 = *u;
+        const pel_real v0 = *v;
+        const pel_real w0 = *w;
+        const pel_real x0 = *x;
+        const pel_real a = *g;
+        const pel_real b = a + gu * u0;
+        const pel_real c = b + gv * v0;
+        const pel_real d = c + gw * w0;
+        *u++ = u0 - lu * a;
+        *v++ = v0 - lv * b;
+        *w++ = w0 - lw * c;
+        *x++ = x0 - lx * d;
+        *g = d + gx * x0;
     }
-    const pel_real old = v[0]; /* row j, where the gain is still gu */
-    v[0] = old + lambda_v * gu;
-    g[0] = gu + gv * old;
-    return v + 1;
+    /* the corner above the diagonal: v, w, x and g have come to row j */
+    const pel_real b0 = gu + gv * v[0];
+    const pel_real c0 = b0 + gw * w[0];
+    const pel_real c1 = gv + gw * w[1];
+    g[0] = c0 + gx * x[0];
+    g[1] = c1 + gx * x[1];
+    g[2] = gw + gx * x[2];
+    v[0] -= lv * gu;
+    w[0] -= lw * b0;
+    w[1] -= lw * gv;
+    x[0] -= lx * c0;
+    x[1] -= lx * c1;
+    x[2] -= lx * gw;
+    return x + 3;
 }
 
 pel_status_t pel_ud_update(pel_ud_t *ud, const pel_real h[], int first, pel_real z, pel_real var, pel_real gate,
@@ -102,28 +139,8 @@ pel_status_t pel_ud_update(pel_ud_t *ud, const pel_real h[], int first, pel_real
     pel_real a = var; /* alpha over the columns before j */
     int j = first;
     pel_real *u = &ud->U[column(j)];
-    if ((j & 1) != 0) {
-        const pel_real next = a + f[j] * g[j];
-        ud->D[j] *= a / next;
-        fold_one(u, g, j, -f[j] / a);
-        u += j;
-        a = next;
-        j++;
-    }
-    for (; j + 2 <= n; j += 2) {
-        const pel_real middle = a + f[j] * g[j];
-        const pel_real next = middle + f[j + 1] * g[j + 1];
-        ud->D[j] *= a / middle;
-        ud->D[j + 1] *= middle / next;
-        u = fold_two(u, g, j, -f[j] / a, -f[j + 1] / middle);
-        a = next;
-    }
-    if (j < n) {
-        const pel_real next = a + f[j] * g[j];
-        ud->D[j] *= a / next;
-        fold_one(u, g, j, -f[j] / a);
-        a = next;
-    }
+    for (const int lead = lead_of(first, n); j < lead; j++) { u = fold_one(u, g, j, grow(&a, f[j], g[j], &ud->D[j])); }
+    for (; j < n; j += 4) { u = fold_four(u, f, g, ud->D, j, &a); }
 
     const pel_real k = innov / a;
     for (int i = 0; i < n; i++) { ud->x[i] += g[i] * k; }
@@ -156,15 +173,84 @@ pel_real pel_ud_cov(const pel_ud_t *ud, int i, int j)
 {
     const int low = (i < j) ? i : j;
     const int high = (i < j) ? j : i;
-    const pel_real u = (low == high) ? PEL_R(1.0) : ud->U[column(high) + low];
-    pel_real sum = u * ud->D[high];
-    for (int k = high + 1; k < ud->n; k++) { sum += ud->U[column(k) + low] * ud->U[column(k) + high] * ud->D[k]; }
+    const pel_real *u = &ud->U[column(high)];
+    pel_real sum = ((low == high) ? PEL_R(1.0) : u[low]) * ud->D[high];
+    for (int k = high + 1; k < ud->n; k++) {
+        u += k - 1;
+        sum += u[low] * u[high] * ud->D[k];
+    }
     return sum;
+}
+
+/* Rows i..i+2 of column k, its diagonal and what is below it too. */
+static void three_rows(const pel_real *u, int i, int k, pel_real a[3])
+{
+    for (int r = 0; r < 3; r++) { a[r] = (i + r < k) ? u[i + r] : ((i + r == k) ? PEL_R(1.0) : PEL_R(0.0)); }
+}
+
+/* Sums of a_r b_c D, written out: loops of three would keep them in memory. */
+typedef struct {
+    pel_real s00, s01, s02, s10, s11, s12, s20, s21, s22;
+} block_sum_t;
+
+static inline void add_products(const pel_real a[3], const pel_real b[3], pel_real d, block_sum_t *s)
+{
+    s->s00 += a[0] * b[0] * d;
+    s->s01 += a[0] * b[1] * d;
+    s->s02 += a[0] * b[2] * d;
+    s->s10 += a[1] * b[0] * d;
+    s->s11 += a[1] * b[1] * d;
+    s->s12 += a[1] * b[2] * d;
+    s->s20 += a[2] * b[0] * d;
+    s->s21 += a[2] * b[1] * d;
+    s->s22 += a[2] * b[2] * d;
+}
+
+/* A block on the diagonal: the six of its upper triangle. */
+static inline void add_squares(const pel_real a[3], pel_real d, block_sum_t *s)
+{
+    s->s00 += a[0] * a[0] * d;
+    s->s01 += a[0] * a[1] * d;
+    s->s02 += a[0] * a[2] * d;
+    s->s11 += a[1] * a[1] * d;
+    s->s12 += a[1] * a[2] * d;
+    s->s22 += a[2] * a[2] * d;
 }
 
 void pel_ud_block3(const pel_ud_t *ud, int i, int j, double P[3][3])
 {
-    for (int a = 0; a < 3; a++) {
-        for (int b = 0; b < 3; b++) { P[a][b] = (double)pel_ud_cov(ud, i + a, j + b); }
+    block_sum_t s = {0};
+    pel_real a[3];
+    pel_real b[3];
+    int k = (i > j) ? i : j; /* columns before it have nothing in one of the two */
+    const int full = k + 3;
+    const pel_real *u = &ud->U[column(k)];
+    for (; k < full; k++) {
+        three_rows(u, i, k, a);
+        three_rows(u, j, k, b);
+        add_products(a, b, ud->D[k], &s);
+        u += k;
     }
+    if (i == j) {
+        for (; k < ud->n; k++) {
+            add_squares(&u[i], ud->D[k], &s);
+            u += k;
+        }
+        s.s10 = s.s01;
+        s.s20 = s.s02;
+        s.s21 = s.s12;
+    }
+    for (; k < ud->n; k++) {
+        add_products(&u[i], &u[j], ud->D[k], &s);
+        u += k;
+    }
+    P[0][0] = (double)s.s00;
+    P[0][1] = (double)s.s01;
+    P[0][2] = (double)s.s02;
+    P[1][0] = (double)s.s10;
+    P[1][1] = (double)s.s11;
+    P[1][2] = (double)s.s12;
+    P[2][0] = (double)s.s20;
+    P[2][1] = (double)s.s21;
+    P[2][2] = (double)s.s22;
 }

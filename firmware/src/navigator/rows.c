@@ -196,7 +196,8 @@ static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t
     pel_whiten_t w;
     pel_row_t row;
     if (pivot < 0) { return; }
-    if (pel_whiten_begin(&w, nav->model.n, (pel_real)variance(&nav->sd.sd[pivot], kind)) != PEL_OK) { return; }
+    const int lead = (u->ant.i_psi > 0) ? u->ant.i_psi : 0; /* sensor states, which no row has */
+    if (pel_whiten_begin(&w, nav->model.n - lead, (pel_real)variance(&nav->sd.sd[pivot], kind)) != PEL_OK) { return; }
     for (int i = first; i < last; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
         if (i == pivot || !has_value(sd, kind) || (kind == PHASE && !u->phases.known[i])) { continue; }
@@ -204,7 +205,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t
         pel_nav_turn_row(axes, &u->ant, &row);
         const pel_real r_i = (pel_real)variance(sd, kind);
         pel_real nis = 0;
-        const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, row.h, &row.var) == PEL_OK;
+        const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, &row.h[lead], &row.var) == PEL_OK;
         if (whitened && kind == CODE && u->held_used >= 3) { pel_nav_hold_watch_row(nav, &row, u->ant.i_r); }
         const double z = (double)row.z;
         const double var_row = (double)row.var; /* as nis judges it */
@@ -217,7 +218,7 @@ static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t
             pel_nav_noise_level_learn(nav, sd, level, (double)nis, var_state, var_row);
         }
         if (used) {
-            pel_whiten_accept(&w, r_i, row.z, row.h);
+            pel_whiten_accept(&w, r_i, row.z, &row.h[lead]);
             u->nis += (float)nis;
             u->nis_dof++;
         }

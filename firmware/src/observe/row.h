@@ -10,7 +10,7 @@
 /* An empty row over n states that begins at `first`. */
 static inline void pel_row_begin(pel_row_t *row, int n, int first, double z)
 {
-    memset(row->h, 0, sizeof row->h);
+    memset(row->h, 0, (size_t)n * sizeof row->h[0]);
     row->n = n;
     row->first = first;
     row->z = (pel_real)z;

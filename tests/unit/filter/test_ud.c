@@ -291,6 +291,23 @@ static void markov_states_decay(void)
     }
 }
 
+static void blocks_are_their_elements_wherever_they_lie(void)
+{
+    pel_ud_t ud;
+    dense_t d;
+    double P[3][3];
+    random_filter(&rng, 11, &ud, &d);
+    for (int k = 0; k < 9 * 9; k++) { /* on the diagonal, beside it, above and below */
+        const int i = k / 9;
+        const int j = k % 9;
+        pel_ud_block3(&ud, i, j, P);
+        for (int e = 0; e < 9; e++) {
+            const double cov = (double)pel_ud_cov(&ud, i + e / 3, j + e % 3);
+            TEST_ASSERT_TRUE(P[e / 3][e % 3] == cov);
+        }
+    }
+}
+
 static void the_hash_sees_every_number_and_no_padding(void)
 {
     pel_ud_t ud;
@@ -357,6 +374,7 @@ int main(void)
     RUN_TEST(a_rejected_row_leaves_the_filter_untouched);
     RUN_TEST(states_come_and_go_as_in_dense_algebra);
     RUN_TEST(markov_states_decay);
+    RUN_TEST(blocks_are_their_elements_wherever_they_lie);
     RUN_TEST(the_hash_sees_every_number_and_no_padding);
     RUN_TEST(lost_factors_are_noticed);
     return UNITY_END();
