@@ -22,6 +22,10 @@ uint32_t pel_crc24q(uint32_t crc, const uint8_t *p, size_t n);
 /* CRC-32 as NovAtel uses it (polynomial 0xEDB88320 reflected, initial 0, no final inversion). */
 uint32_t pel_crc32_novatel(const uint8_t *p, size_t n);
 
+/* Rotate and exclusive-or of words in memory, for what never leaves it: any one flipped bit changes it. n_bytes: a multiple of four.
+ * The result depends on the machine's order of bytes. Three instructions a word. */
+uint32_t pel_word_check(const void *bytes, size_t n_bytes, uint32_t seed);
+
 /* 8-bit Fletcher of UBX over class..payload, as (first byte << 8) | second byte. */
 uint16_t pel_fletcher8(const uint8_t *p, size_t n);
 

@@ -129,8 +129,8 @@ pel_status_t pel_ud_change_reference(pel_ud_t *ud, int first, int n, int p);
 /* PEL_OK; PEL_E_NOT_POSDEF if a D is not > 0; PEL_E_RANGE if anything is not finite. */
 pel_status_t pel_ud_check(const pel_ud_t *ud);
 
-/* FNV-1a (32 bit) of n, U, D, x, little-endian bytes whatever the machine: equal hashes, equal filters. Continues from seed;
- * start with PEL_FNV_START of bits.h. */
+/* 32 bits (FNV-1a taken by words) of n, U, D, x, the same on every machine: equal hashes, equal filters. Continues from seed; start
+ * with PEL_FNV_START of bits.h. */
 uint32_t pel_ud_hash(const pel_ud_t *ud, uint32_t seed);
 
 /* ---- propagation at IMU rate --------------------------------------------------------------------------------------------- */

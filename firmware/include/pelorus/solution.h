@@ -63,7 +63,7 @@ typedef struct {
     uint8_t n_fixed; /* integers fixed in the last epoch */
     uint8_t n_amb;   /* integers searched */
     uint8_t reserved;
-    uint32_t state_hash;     /* FNV-1a of the filter's state and factors: two machines agree or differ here */
+    uint32_t state_hash;     /* hash of the filter's state and factors: two machines agree or differ here */
     float b_g[3], sd_b_g[3]; /* gyro error estimate (constant + Markov), rad/s, sensor axes turned to b */
     float b_a[3], sd_b_a[3]; /* accelerometer error estimate, m/s^2 */
 } pel_solution_t;

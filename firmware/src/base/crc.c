@@ -1,3 +1,5 @@
+#include <string.h>
+
 #include "pelorus/bits.h"
 
 /* Both cyclic codes go by nibbles: 64-byte tables instead of 1 KiB, at half the speed. Entry i is the code of nibble i. */
@@ -29,6 +31,30 @@ uint32_t pel_crc32_novatel(const uint8_t *p, size_t n)
         crc = (crc >> 4) ^ T[crc & 15u];
     }
     return crc;
+}
+
+static uint32_t turn_in(uint32_t h, const uint8_t *word)
+{
+    uint32_t w;
+    memcpy(&w, word, sizeof w);
+    return ((h << 5) | (h >> 27)) ^ w;
+}
+
+uint32_t pel_word_check(const void *bytes, size_t n_bytes, uint32_t seed)
+{
+    const uint8_t *p = bytes;
+    uint32_t h = seed;
+    size_t words = n_bytes / 4;
+    for (; words >= 8; words -= 8) { /* eight at a time: half of a word's cost would be the loop's */
+        h = turn_in(turn_in(turn_in(turn_in(h, p), p + 4), p + 8), p + 12);
+        h = turn_in(turn_in(turn_in(turn_in(h, p + 16), p + 20), p + 24), p + 28);
+        p += 32;
+    }
+    for (; words > 0; words--) {
+        h = turn_in(h, p);
+        p += 4;
+    }
+    return h;
 }
 
 uint16_t pel_fletcher8(const uint8_t *p, size_t n)

@@ -1,28 +1,38 @@
-/* hash.c - FNV-1a of the filter: what two machines compare. */
+/* hash.c - the filter in 32 bits (after FNV-1a by Fowler, Noll, Vo): what two machines compare. */
+#include <string.h>
+
 #include "packed.h"
 #include "pelorus/bits.h"
 #include "pelorus/filter.h"
 
-/* Least significant byte first, whatever the machine's order. */
+#define FNV_PRIME UINT32_C(16777619)
+
+/* A whole word instead of a byte: a fifth of the work. The product carries no bit downwards, so its high half is folded into the low. */
+static uint32_t hash_word(uint32_t word, uint32_t h)
+{
+    h = (h ^ word) * FNV_PRIME;
+    return h ^ (h >> 16);
+}
+
 static uint32_t hash_reals(const pel_real *v, int n, uint32_t h)
 {
-    uint8_t bytes[sizeof(pel_real)];
     for (int i = 0; i < n; i++) {
 #if PEL_REAL_DOUBLE
-        pel_le_put_f64(bytes, v[i]);
+        uint64_t word;
+        memcpy(&word, &v[i], sizeof word);
+        h = hash_word((uint32_t)(word >> 32), hash_word((uint32_t)word, h));
 #else
-        pel_le_put_f32(bytes, v[i]);
+        uint32_t word;
+        memcpy(&word, &v[i], sizeof word);
+        h = hash_word(word, h);
 #endif
-        h = pel_fnv1a(bytes, sizeof bytes, h);
     }
     return h;
 }
 
 uint32_t pel_ud_hash(const pel_ud_t *ud, uint32_t seed)
 {
-    uint8_t n[4];
-    pel_le_put(n, sizeof n, (uint64_t)ud->n);
-    uint32_t h = pel_fnv1a(n, sizeof n, seed);
+    uint32_t h = hash_word((uint32_t)ud->n, seed);
     h = hash_reals(ud->U, column(ud->n), h);
     h = hash_reals(ud->D, ud->n, h);
     return hash_reals(ud->x, ud->n, h);

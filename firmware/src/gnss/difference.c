@@ -126,12 +126,11 @@ static const pel_obs_t *counterpart(const pel_obs_t *obs, const pel_epoch_t *bas
     return any;
 }
 
-/* Is another of the rover's codes on this carrier the one the base has, while this one is not? */
-static bool better_code_elsewhere(const pel_epoch_t *rover, int i, const pel_epoch_t *base)
+/* Is another of the rover's codes on this carrier the one the base has, while this one is not? b: its counterpart. */
+static bool better_code_elsewhere(const pel_epoch_t *rover, int i, const pel_epoch_t *base, const pel_obs_t *b)
 {
     const pel_obs_t *obs = &rover->obs[i];
-    const pel_obs_t *b = counterpart(obs, base);
-    if (b == NULL || b->code == obs->code) { return false; }
+    if (b->code == obs->code) { return false; }
     for (int k = 0; k < rover->n && k < PEL_MAX_OBS; k++) {
         const pel_obs_t *other = &rover->obs[k];
         if (k == i || other->prn != obs->prn || other->sys != obs->sys || other->carrier != obs->carrier) { continue; }
@@ -181,7 +180,7 @@ static bool differenced_row(const pair_t *p, int i, const pel_sight_t *s, pel_sd
     const pel_sight_t *sb = pel_view_find(p->base_view, obs->sys, obs->prn);
     const pel_obs_t *ob = counterpart(obs, p->base);
     if (sb == NULL || ob == NULL || sb->excluded || !same_ephemeris(s, sb)) { return false; }
-    if (better_code_elsewhere(p->rover, i, p->base)) { return false; }
+    if (better_code_elsewhere(p->rover, i, p->base, ob)) { return false; }
 
     const reduced_t a = reduce(obs, s, p->noise, p->noise->rover_factor);
     const reduced_t b = reduce(ob, sb, p->noise, p->noise->base_factor);

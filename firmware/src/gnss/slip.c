@@ -11,6 +11,9 @@
 #define REVERSED_MIN_MPS 100.0 /* slower changes do not tell the sign of a Doppler */
 #define JERK_MPS3        2.0   /* of the antenna, for the trapezoid over Doppler: jerk dt^3 / 12 */
 #define MAX_LOCK_MS      3600000u
+#define NO_SIGHT         255u
+
+_Static_assert(PEL_MAX_SATS < NO_SIGHT, "a sight's index is a byte");
 
 /* An observation beside its memory. */
 typedef struct {
@@ -19,6 +22,7 @@ typedef struct {
     double phase_sd_m;           /* at the zenith, strong */
     int16_t old[PEL_MAX_OBS];    /* entry of the epoch before, -1 none */
     uint8_t usable[PEL_MAX_OBS]; /* PEL_OBS_CODE, _PHASE, _DOPPLER */
+    uint8_t sight[PEL_MAX_OBS];  /* index into view of a phase's satellite, or NO_SIGHT */
     double value[PEL_MAX_OBS];   /* what a detector looks at; only where valid */
     double sorted[PEL_MAX_OBS];  /* the same, for the median */
     bool valid[PEL_MAX_OBS];
@@ -50,14 +54,26 @@ static double elapsed_s(const pass_t *p, const pel_slip_entry_t *old)
     return pel_time_diff_s(p->e->t_ns, old->t_ns);
 }
 
-/* Noise of this signal over that of a strong one at the zenith: elevation (45 degrees if unknown) and C/N0. */
-static double noise_factor(const pass_t *p, const pel_obs_t *obs)
+static uint8_t find_sight(const pel_view_t *view, const pel_obs_t *obs)
 {
-    const pel_sight_t *s = (p->view != NULL) ? pel_view_find(p->view, obs->sys, obs->prn) : NULL;
+    const pel_sight_t *s = (view != NULL) ? pel_view_find(view, obs->sys, obs->prn) : NULL;
+    return (uint8_t)((s != NULL) ? (unsigned)(s - view->sight) : NO_SIGHT);
+}
+
+static const pel_sight_t *sight_of(const pass_t *p, int i)
+{
+    return (p->sight[i] != NO_SIGHT) ? &p->view->sight[p->sight[i]] : NULL;
+}
+
+/* Noise of this signal over that of a strong one at the zenith: elevation (45 degrees if unknown) and C/N0. */
+static double noise_factor(const pass_t *p, int i)
+{
+    const pel_sight_t *s = sight_of(p, i);
+    const double cn0_dbhz = (double)p->e->obs[i].cn0_dbhz;
     const double sin_el = (s != NULL) ? pel_max(pel_sin((double)s->el_rad), 0.1) : 0.7;
-    const double weak_db = (obs->cn0_dbhz > 0.0f) ? pel_max(CN0_STRONG - (double)obs->cn0_dbhz, 0.0) : 0.0;
     const double at_el = pel_sqrt(0.5 + 0.5 / (sin_el * sin_el));
-    return (weak_db > 0.0) ? at_el * pel_exp(weak_db * 0.115129254649702286) : at_el; /* 10^(dB/20) */
+    if (!(cn0_dbhz > 0.0 && cn0_dbhz < CN0_STRONG)) { return at_el; }
+    return at_el * pel_exp((CN0_STRONG - cn0_dbhz) * 0.115129254649702286); /* 10^(dB/20) */
 }
 
 /* Median of the valid values; 0 with fewer than three, which cannot outvote a slip. */
@@ -115,12 +131,12 @@ static void told_by_receiver(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, pel
 
 /* 5 sigma of two phases in two epochs and the ionosphere's part; no more than half a cycle (or what strong signals need),
  * where weak signals raise alarms rather than hide slips. */
-static double geometry_free_limit(const pass_t *p, const pel_obs_t *a, const pel_obs_t *b, double dt_s)
+static double geometry_free_limit(const pass_t *p, int a, int b, double dt_s)
 {
     const double sd_a = p->phase_sd_m * noise_factor(p, a);
     const double sd_b = p->phase_sd_m * noise_factor(p, b);
     const double limit = 5.0 * pel_sqrt(2.0 * (sd_a * sd_a + sd_b * sd_b)) + IONO_RATE_MPS * dt_s;
-    const double half_cycle = 0.5 * pel_min(pel_obs_lambda_m(a), pel_obs_lambda_m(b));
+    const double half_cycle = 0.5 * pel_min(pel_obs_lambda_m(&p->e->obs[a]), pel_obs_lambda_m(&p->e->obs[b]));
     return pel_min(limit, pel_max(half_cycle, 10.0 * p->phase_sd_m));
 }
 
@@ -140,7 +156,7 @@ static void geometry_free(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, pel_na
             if (old_a->t_ns != old_b->t_ns) { continue; }
             const double change =
                 (pel_obs_lambda_m(a) * a->L_cyc - old_a->y_m) - (pel_obs_lambda_m(b) * b->L_cyc - old_b->y_m);
-            if (pel_fabs(change) > geometry_free_limit(p, a, b, elapsed_s(p, old_a))) {
+            if (pel_fabs(change) > geometry_free_limit(p, i, j, elapsed_s(p, old_a))) {
                 a->flags |= PEL_OBS_SLIP;
                 b->flags |= PEL_OBS_SLIP;
                 count->slip_geometry_free++;
@@ -175,7 +191,7 @@ static uint32_t mark_departures(pass_t *p, const pel_slip_t *s, pel_epoch_t *e, 
         if (!p->valid[i]) { continue; }
         pel_obs_t *obs = &e->obs[i];
         const double dt = elapsed_s(p, &s->entry[p->old[i]]);
-        const double factor = noise_factor(p, obs);
+        const double factor = noise_factor(p, i);
         const double phase_sd = p->phase_sd_m * factor;
         const double rate_sd = doppler_sd * factor;
         const double sd =
@@ -215,7 +231,7 @@ static void phase_minus_prediction(pass_t *p, const pel_slip_t *s, const pel_sli
         p->valid[i] = false;
         if (p->old[i] < 0) { continue; }
         const pel_slip_entry_t *old = &s->entry[p->old[i]];
-        const pel_sight_t *sight = pel_view_find(p->view, obs->sys, obs->prn);
+        const pel_sight_t *sight = sight_of(p, i);
         if (sight == NULL || !old->predicted || old->t_ns != s->checked_ns) { continue; } /* aid->dr_e is since then */
         const double predicted = pel_sight_phase_m(sight, obs) - old->range_m + pel_dot3(sight->u_e, aid->dr_e);
         p->value[i] = (pel_obs_lambda_m(obs) * obs->L_cyc - old->y_m) - predicted;
@@ -229,7 +245,7 @@ static pel_slip_entry_t remember(const pass_t *p, int i)
 {
     const pel_obs_t *obs = &p->e->obs[i];
     const double lambda = pel_obs_lambda_m(obs);
-    const pel_sight_t *sight = (p->view != NULL) ? pel_view_find(p->view, obs->sys, obs->prn) : NULL;
+    const pel_sight_t *sight = sight_of(p, i);
     pel_slip_entry_t k = {.sys = obs->sys, .prn = obs->prn, .carrier = obs->carrier, .code = obs->code};
     k.half = (obs->flags & PEL_OBS_HALF_CYCLE) != 0u;
     k.lock_ms = obs->lock_ms;
@@ -285,6 +301,7 @@ static void match(pass_t *p, const pel_slip_t *s, pel_epoch_t *e)
         p->valid[i] = false;
         p->usable[i] = (uint8_t)pel_obs_usable_parts(obs);
         if ((p->usable[i] & PEL_OBS_PHASE) == 0u) { continue; }
+        p->sight[i] = find_sight(p->view, obs);
         const int16_t k = find_entry(s, obs, next);
         if (k >= 0) {
             const double dt = elapsed_s(p, &s->entry[k]);

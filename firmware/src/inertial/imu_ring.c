@@ -1,20 +1,13 @@
 /* imu_ring.c - the last increments, in order of time. */
-#include <string.h>
-
+#include "pelorus/bits.h"
 #include "pelorus/inertial.h"
 
 _Static_assert((PEL_IMU_RING & (PEL_IMU_RING - 1)) == 0, "indices wrap by masking");
 
-/* Rotate and exclusive-or over the words of what is used: any one flipped bit changes it. */
+/* Over what is used of an increment. */
 static uint32_t check_of(const pel_imu_t *imu)
 {
-    uint32_t h = 1;
-    for (size_t i = 0; i < offsetof(pel_imu_t, check) / 4; i++) {
-        uint32_t word;
-        memcpy(&word, (const uint8_t *)imu + 4 * i, sizeof word);
-        h = ((h << 5) | (h >> 27)) ^ word;
-    }
-    return h;
+    return pel_word_check(imu, offsetof(pel_imu_t, check), 1);
 }
 
 void pel_imu_ring_init(pel_imu_ring_t *ring)

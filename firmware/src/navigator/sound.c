@@ -4,29 +4,22 @@
 
 #include "internal.h"
 
-/* Rotate and exclusive-or, by words; n_bytes a multiple of four. Any one flipped bit changes it. */
-static uint32_t checksum(const void *bytes, size_t n_bytes)
-{
-    uint32_t h = UINT32_C(0x50454C31);
-    for (size_t i = 0; i < n_bytes; i += 4) {
-        uint32_t word;
-        memcpy(&word, (const uint8_t *)bytes + i, sizeof word);
-        h = ((h << 5) | (h >> 27)) ^ word;
-    }
-    return h;
-}
+#include "pelorus/bits.h"
+
+#define SEED UINT32_C(0x50454C31)
 
 _Static_assert(sizeof(pel_nav_config_t) % 4 == 0 && sizeof(pel_strapdown_t) % 4 == 0, "checked by words");
 
 void pel_nav_seal_config(pel_navigator_t *nav)
 {
-    nav->cfg_check = checksum(&nav->cfg, sizeof nav->cfg);
+    nav->cfg_check = pel_word_check(&nav->cfg, sizeof nav->cfg, SEED);
 }
 
 static uint32_t state_check(const pel_navigator_t *nav)
 {
     const uint32_t axes = (uint32_t)nav->local * UINT32_C(0x9E3779B9);
-    return checksum(&nav->at_horizon, sizeof nav->at_horizon) ^ ~checksum(&nav->now, sizeof nav->now) ^ axes;
+    return pel_word_check(&nav->at_horizon, sizeof nav->at_horizon, SEED) ^
+           ~pel_word_check(&nav->now, sizeof nav->now, SEED) ^ axes;
 }
 
 void pel_nav_seal_state(pel_navigator_t *nav)
@@ -46,20 +39,20 @@ void pel_nav_check_state(pel_navigator_t *nav)
 
 void pel_nav_seal_station(pel_navigator_t *nav)
 {
-    nav->station_check = checksum(nav->station.r_ea_e, sizeof nav->station.r_ea_e);
+    nav->station_check = pel_word_check(nav->station.r_ea_e, sizeof nav->station.r_ea_e, SEED);
 }
 
 void pel_nav_check_station(pel_navigator_t *nav)
 {
     if (!nav->have_station) { return; }
-    if (nav->station_check == checksum(nav->station.r_ea_e, sizeof nav->station.r_ea_e)) { return; }
+    if (nav->station_check == pel_word_check(nav->station.r_ea_e, sizeof nav->station.r_ea_e, SEED)) { return; }
     nav->counters.numeric_faults++;
     nav->have_station = false;
 }
 
 bool pel_navigator_is_broken(const pel_navigator_t *nav)
 {
-    return nav->cfg_check != checksum(&nav->cfg, sizeof nav->cfg);
+    return nav->cfg_check != pel_word_check(&nav->cfg, sizeof nav->cfg, SEED);
 }
 
 static bool within(int n, int most)

@@ -223,6 +223,23 @@ static void rounding_and_powers(void)
     TEST_ASSERT_EQUAL_DOUBLE(8589934592.0, pel_pow2(33));
 }
 
+/* Each word turned in by five bits, and no flipped bit of any word unseen. */
+static void word_check_sees_every_bit(void)
+{
+    uint32_t w[11];
+    for (unsigned i = 0; i < 11; i++) { w[i] = 0x9E3779B9u * (i + 1u); }
+    for (size_t n = 0; n <= 11; n++) {
+        uint32_t h = 7;
+        for (size_t i = 0; i < n; i++) { h = ((h << 5) | (h >> 27)) ^ w[i]; }
+        TEST_ASSERT_EQUAL_HEX32(h, pel_word_check(w, 4 * n, 7));
+        for (size_t bit = 0; bit < 32 * n; bit++) {
+            w[bit / 32] ^= 1u << (bit % 32);
+            TEST_ASSERT_TRUE(h != pel_word_check(w, 4 * n, 7));
+            w[bit / 32] ^= 1u << (bit % 32);
+        }
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -230,6 +247,7 @@ int main(void)
     RUN_TEST(crc24q_equals_its_polynomial);
     RUN_TEST(fnv1a_of_a_published_vector);
     RUN_TEST(crc32_equals_its_polynomial);
+    RUN_TEST(word_check_sees_every_bit);
     RUN_TEST(fletcher_of_an_acknowledge);
     RUN_TEST(fields_at_any_position_and_width);
     RUN_TEST(signs);
