@@ -94,6 +94,9 @@ typedef enum {
 /* Carrier frequency in Hz; glo_k is the GLONASS channel (-7..6), ignored otherwise. 0.0 for a pair that does not exist. */
 double pel_carrier_hz(pel_sys_t sys, pel_carrier_t carrier, int glo_k);
 
+/* Its wavelength in m: PEL_SPEED_OF_LIGHT over pel_carrier_hz(), without a division outside GLONASS. 0.0 likewise. */
+double pel_carrier_wavelength_m(pel_sys_t sys, pel_carrier_t carrier, int glo_k);
+
 /* Highest prn of a system as numbered here: GPS 32, GLO 32, GAL 36, BDS 63, QZS 10 (1 = J01 = PRN 193), SBS 39 (1 = S20 = PRN 120). */
 int pel_sys_max_prn(pel_sys_t sys);
 

@@ -97,9 +97,12 @@ static void add_block(const pel_ud_t *ud, int row, int col, const pel_real m[3][
     const pel_real *s = u + column(col + 2) + col; /* rows col.. of column j - 1; column j lies j - 1 further */
     for (int j = col + 3; j < w->rows; j++) {
         s += j - 1;
-        w0[j] += m00 * s[0] + m01 * s[1] + m02 * s[2];
-        w1[j] += m10 * s[0] + m11 * s[1] + m12 * s[2];
-        w2[j] += m20 * s[0] + m21 * s[1] + m22 * s[2];
+        const pel_real s0 = s[0];
+        const pel_real s1 = s[1];
+        const pel_real s2 = s[2];
+        w0[j] += m00 * s0 + m01 * s1 + m02 * s2;
+        w1[j] += m10 * s0 + m11 * s1 + m12 * s2;
+        w2[j] += m20 * s0 + m21 * s1 + m22 * s2;
     }
     for (int i = row; i < row + 3; i++) {
         if (col < (int)w->start[i]) { w->start[i] = (uint8_t)col; }

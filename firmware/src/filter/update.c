@@ -219,7 +219,8 @@ static inline void add_squares(const pel_real a[3], pel_real d, block_sum_t *s)
 
 void pel_ud_block3(const pel_ud_t *ud, int i, int j, double P[3][3])
 {
-    block_sum_t s = {0};
+    block_sum_t s;
+    s.s00 = s.s01 = s.s02 = s.s10 = s.s11 = s.s12 = s.s20 = s.s21 = s.s22 = PEL_R(0.0);
     pel_real a[3];
     pel_real b[3];
     int k = (i > j) ? i : j; /* columns before it have nothing in one of the two */

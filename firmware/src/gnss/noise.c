@@ -3,8 +3,7 @@
 
 double pel_obs_lambda_m(const pel_obs_t *obs)
 {
-    const double f_hz = pel_carrier_hz((pel_sys_t)obs->sys, (pel_carrier_t)obs->carrier, obs->glo_k);
-    return (f_hz > 0.0) ? PEL_SPEED_OF_LIGHT / f_hz : 0.0;
+    return pel_carrier_wavelength_m((pel_sys_t)obs->sys, (pel_carrier_t)obs->carrier, obs->glo_k);
 }
 
 unsigned pel_obs_usable_parts(const pel_obs_t *obs)

@@ -190,6 +190,7 @@ const pel_sight_t *pel_view_find(const pel_view_t *view, uint8_t sys, uint8_t pr
 
 static double iono_on_carrier_m(const pel_sight_t *s, const pel_obs_t *obs)
 {
+    if (s->iono_L1_m == 0.0) { return 0.0; } /* differences carry none */
     const double f1 = pel_carrier_hz(PEL_SYS_GPS, PEL_CARRIER_L1, 0);
     const double f = pel_carrier_hz((pel_sys_t)obs->sys, (pel_carrier_t)obs->carrier, obs->glo_k);
     return (f > 0.0) ? s->iono_L1_m * (f1 * f1) / (f * f) : 0.0;

@@ -71,8 +71,8 @@ void pel_strapdown_step(pel_strapdown_t *s, pel_coning_t *c, const double alpha[
 
 void pel_imu_correct(const pel_imu_t *imu, const double b_g[3], const double b_a[3], double alpha[3], double upsilon[3])
 {
-    for (int i = 0; i < 3; i++) {
-        alpha[i] = imu->alpha_ib_b[i] - b_g[i] * imu->dt_s;
-        upsilon[i] = imu->upsilon_ib_b[i] - b_a[i] * imu->dt_s;
-    }
+    copy3(alpha, imu->alpha_ib_b);
+    copy3(upsilon, imu->upsilon_ib_b);
+    add_scaled(alpha, -imu->dt_s, b_g);
+    add_scaled(upsilon, -imu->dt_s, b_a);
 }

@@ -11,20 +11,13 @@
 #define LAG_STEP_NS       (100 * PEL_NS_PER_MS)
 #define SINGLE_STEP_MAX_S 100.0 /* GNSS alone: a longer silence starts afresh */
 
-static void sensor_errors(const pel_navigator_t *nav, double b_g[3], double b_a[3])
-{
-    for (int k = 0; k < 3; k++) {
-        b_g[k] = nav->errors.gyro_constant[k] + nav->errors.gyro_markov[k];
-        b_a[k] = nav->errors.accel_markov[k];
-    }
-}
-
 /* One increment on a strapdown state, corrected for the sensor errors known now. */
 static void step(const pel_navigator_t *nav, const pel_imu_t *imu, pel_strapdown_t *s, pel_coning_t *c)
 {
-    double b_g[3], b_a[3], alpha[3], upsilon[3];
-    sensor_errors(nav, b_g, b_a);
-    pel_imu_correct(imu, b_g, b_a, alpha, upsilon);
+    const double *constant = nav->errors.gyro_constant, *markov = nav->errors.gyro_markov;
+    const double b_g[3] = {constant[0] + markov[0], constant[1] + markov[1], constant[2] + markov[2]};
+    double alpha[3], upsilon[3];
+    pel_imu_correct(imu, b_g, nav->errors.accel_markov, alpha, upsilon);
     pel_strapdown_step(s, c, alpha, upsilon, imu->dt_s, imu->t_ns);
 }
 

@@ -52,8 +52,8 @@ static void add_doubts(const pel_navigator_t *nav, const pel_strapdown_t *at, do
     double turn, push;
     for (int i = pel_imu_ring_after(&nav->ring, nav->at_horizon.t_ns); i < nav->ring.n; i++) {
         const pel_imu_t *imu = pel_imu_ring_at(&nav->ring, i);
-        if (imu->t_ns - (int64_t)(imu->dt_s * 1e9) >= at->t_ns) { return; }
         if (!pel_nav_doubt_of(nav, i, imu->dt_s, &turn, &push)) { continue; }
+        if (imu->t_ns - (int64_t)(imu->dt_s * 1e9) >= at->t_ns) { return; }
         add_diagonal(P->psi, turn);
         add_diagonal(P->v, push);
         add_diagonal(P->r, push * t_s * t_s);
