@@ -15,14 +15,14 @@ double pel_ils_scaled(double x, int k)
     return x;
 }
 
-/* N - N0 behind the decorrelated integers of `count` candidates, PEL_MAX_AMB apart, in place: the steps undone, last first. Modulo 2^32,
- * which is exact for every difference that fits, whatever the numbers on the way; one that does not fit shows in the exact norm. */
-static void undo(const pel_ils_t *s, int32_t *z, int count)
+/* N - N0 behind the decorrelated integers of two candidates, in place: the steps undone, last first. Modulo 2^32, which is exact for every
+ * difference that fits, whatever the numbers on the way; one that does not fit shows in the exact norm. */
+static void undo_two(const pel_ils_t *s, uint32_t *N, uint32_t *M)
 {
-    uint32_t *first = (uint32_t *)z;
-    const uint32_t *end = first + (ptrdiff_t)count * PEL_MAX_AMB;
-    for (uint32_t *N = first; N != end; N += PEL_MAX_AMB) {
-        for (int p = 0; p < s->n; p++) { N[p] += (uint32_t)whole_of(s->a_z[p]); }
+    for (int p = 0; p < s->n; p++) {
+        const uint32_t whole = (uint32_t)whole_of(s->a_z[p]);
+        N[p] += whole;
+        M[p] += whole;
     }
     for (const uint16_t *note = s->note + s->n_notes; note != s->note;) {
         const uint32_t step = *--note;
@@ -34,14 +34,30 @@ static void undo(const pel_ils_t *s, int32_t *z, int count)
             m = (uint32_t)(own >> 4) << (own & 15);
         }
         if (k == j) {
-            for (uint32_t *N = first; N != end; N += PEL_MAX_AMB) {
-                const uint32_t reduced = N[k - 1];
-                N[k - 1] = N[k];
-                N[k] = reduced + m * N[k - 1];
-            }
+            const uint32_t N_reduced = N[k - 1];
+            const uint32_t M_reduced = M[k - 1];
+            N[k - 1] = N[k];
+            M[k - 1] = M[k];
+            N[k] = N_reduced + m * N[k - 1];
+            M[k] = M_reduced + m * M[k - 1];
         } else {
-            for (uint32_t *N = first; N != end; N += PEL_MAX_AMB) { N[k] += m * N[j]; }
+            N[k] += m * N[j];
+            M[k] += m * M[j];
         }
+    }
+}
+
+/* The same for `count` candidates, PEL_MAX_AMB apart. */
+static void undo(const pel_ils_t *s, int32_t *z, int count)
+{
+    uint32_t *N = (uint32_t *)z;
+    for (; count >= 2; count -= 2) {
+        undo_two(s, N, N + PEL_MAX_AMB);
+        N += 2 * PEL_MAX_AMB;
+    }
+    if (count > 0) {
+        uint32_t spare[PEL_MAX_AMB] = {0};
+        undo_two(s, N, spare);
     }
 }
 

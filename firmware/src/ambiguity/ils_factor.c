@@ -107,19 +107,19 @@ static pel_status_t choose_units(const pel_ils_t *s, const double *Q, rows_t *r)
 /* Q into G, which may be the same memory. */
 static pel_status_t take_covariance(pel_ils_t *s, const double *Q, rows_t *r)
 {
-    int at = 0;
+    fixed_t *g = s->G;
     for (int i = 0; i < s->n; i++) {
         const int apart = r->unit_max - r->unit[i];
         if (apart > SPREAD_MAX) { return PEL_E_RANGE; }
-        for (int j = 0; j <= i; j++, at++) {
-            const uint64_t bits = pel_f64_bits(Q[at]);
-            const int right = 1022 + r->unit[i] + r->unit[j] - exponent_of(bits);
+        for (const int *unit = r->unit, *end = unit + i + 1; unit != end; unit++) {
+            const uint64_t bits = pel_f64_bits(*Q++);
+            const int right = 1022 + r->unit[i] + *unit - exponent_of(bits);
             if (right < 0) { /* above both deviations */
                 return (exponent_of(bits) == 0x7FF) ? PEL_E_RANGE : PEL_E_NOT_POSDEF;
             }
-            s->G[at] = as_words((right <= 62) ? fixed_of(bits, right) : 0);
+            *g++ = as_words((right <= 62) ? fixed_of(bits, right) : 0);
         }
-        r->left[i] = of_words(s->G[at - 1]);
+        r->left[i] = of_words(g[-1]);
         const pel_real weight = PEL_R(1.0) / (pel_real)(int32_t)(1 << apart);
         r->weight[i] = weight * weight;
         r->variance[i] = r->left[i];
