@@ -120,7 +120,7 @@ double pel_nav_ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double lon
             omega_ib_b[k] += imu->alpha_ib_b[k];
         }
     }
-    for (int k = 0; k < 3 && span_s > 0.0; k++) {
+    for (int k = 0; k < 3; k++) {
         f_ib_b[k] /= span_s;
         omega_ib_b[k] /= span_s;
     }

@@ -349,6 +349,130 @@ static void what_is_not_healthy_is_not_kept(void)
     TEST_ASSERT_EQUAL_UINT(0, pel_snapshot_encode(&nav, 1, buf, PEL_SNAPSHOT_BYTES - 1));
 }
 
+/* ---- numbers at their limits --------------------------------------------------------------------------------------------- */
+
+/* Where the fields are: docs/FORMATS.md. */
+enum { T = 20, STILL = 28, R = 32, V = 56, THETA = 80, COV_R = 104, COV_PSI = 128, ERROR = 152, SD_ERROR = 224 };
+
+typedef struct {
+    const char *name;
+    size_t at;
+    char type; /* d double, f float, t time */
+    double value;
+    bool good;
+} field_t;
+
+static void put_field(const field_t *f)
+{
+    if (f->type == 'd') { pel_le_put_f64(buf + f->at, f->value); }
+    if (f->type == 'f') { pel_le_put_f32(buf + f->at, (float)f->value); }
+    if (f->type == 't') { pel_le_put(buf + f->at, 8, (uint64_t)(int64_t)f->value); }
+}
+
+static void each_number_has_its_limits(void)
+{
+    static const field_t FIELDS[] = {
+        {"t", T, 't', 0.0, false},
+        {"t", T, 't', -5.0, false},
+        {"t", T, 't', 1.0, true},
+        {"still", STILL, 'f', -0.1, false},
+        {"still", STILL, 'f', 0.0, true},
+        {"r", R, 'd', 0.0, false}, /* too deep, then too high */
+        {"r", R, 'd', 5.8e6, false},
+        {"v", V, 'd', 9999.0, true},
+        {"v", V + 16, 'd', -1.0001e4, false},
+        {"theta", THETA + 8, 'd', 3.0, true},
+        {"theta", THETA + 8, 'd', -4.01, false},
+        {"cov_r", COV_R, 'f', 0.0, false},
+        {"cov_r", COV_R + 12, 'f', -1.0, false},
+        {"cov_r", COV_R + 20, 'f', 1.01e12, false},
+        {"cov_r", COV_R + 20, 'f', 0.99e12, true},
+        {"cov_psi", COV_PSI, 'f', 0.0, false},
+        {"cov_psi", COV_PSI + 12, 'f', 10.0, false},
+        {"cov_psi", COV_PSI + 20, 'f', 9.9, true},
+        {"error", ERROR, 'd', 100.0, false},
+        {"error", ERROR + 64, 'd', -100.0, false},
+        {"error", ERROR + 64, 'd', -99.0, true},
+        {"sd_error", SD_ERROR, 'f', 0.0, false},
+        {"sd_error", SD_ERROR + 32, 'f', 100.0, false},
+        {"sd_error", SD_ERROR + 32, 'f', 99.0, true},
+    };
+    for (size_t i = 0; i < sizeof FIELDS / sizeof FIELDS[0]; i++) {
+        const size_t n = pel_snapshot_encode(&nav, 1, buf, sizeof buf);
+        put_field(&FIELDS[i]);
+        reseal(n);
+        TEST_ASSERT_EQUAL_INT_MESSAGE(FIELDS[i].good ? PEL_SNAP_WAITING : PEL_SNAP_BAD_VALUE, restored(buf, n),
+                                      FIELDS[i].name);
+        TEST_ASSERT_EQUAL_INT(FIELDS[i].good, next_life.have_station);
+    }
+}
+
+static void lengths_that_cannot_be_are_refused(void)
+{
+    (void)pel_snapshot_encode(&nav, 1, buf, sizeof buf);
+    uint32_t sequence = 0;
+    pel_le_put(buf + 6, 2, 15); /* shorter than its own head and checksum */
+    TEST_ASSERT_EQUAL_INT(PEL_SNAP_DAMAGED, pel_snapshot_check(buf, sizeof buf, &sequence));
+    pel_le_put(buf + 6, 2, 100); /* whole, but shorter than a state */
+    reseal(100);
+    TEST_ASSERT_EQUAL_INT(PEL_SNAP_WAITING, pel_snapshot_check(buf, sizeof buf, &sequence));
+    TEST_ASSERT_EQUAL_INT(PEL_SNAP_BAD_VALUE, restored(buf, sizeof buf));
+}
+
+static void what_is_not_wanted_or_not_there_changes_nothing(void)
+{
+    const size_t n = pel_snapshot_encode(&nav, 1, buf, sizeof buf);
+    cfg.warm_max_age_s = 0.0;
+    TEST_ASSERT_EQUAL_INT(PEL_SNAP_NONE, restored(buf, n));
+    TEST_ASSERT_EQUAL_INT(PEL_SNAP_NONE, next_life.warm.report.verdict);
+    TEST_ASSERT_FALSE(next_life.have_station);
+    cfg.warm_max_age_s = 60.0;
+    memset(buf, 0xFF, sizeof buf);
+    TEST_ASSERT_EQUAL_INT(PEL_SNAP_NONE, restored(buf, sizeof buf));
+    TEST_ASSERT_EQUAL_INT(PEL_NAV_NONE, pel_navigator_poll(&next_life));
+}
+
+static void without_a_base_none_comes_back_and_room_for_all_orbits_takes_all(void)
+{
+    static uint8_t large[PEL_SNAPSHOT_BYTES + 8 * PEL_SNAPSHOT_EPH_BYTES];
+    nav.have_station = false;
+    const size_t n = pel_snapshot_encode(&nav, 1, large, sizeof large);
+    TEST_ASSERT_EQUAL_UINT(PEL_SNAPSHOT_BYTES + 6 * PEL_SNAPSHOT_EPH_BYTES, n);
+    TEST_ASSERT_EQUAL_INT(PEL_SNAP_WAITING, restored(large, n));
+    TEST_ASSERT_FALSE(next_life.have_station);
+    TEST_ASSERT_EQUAL_INT(6, next_life.orbits.n);
+}
+
+static void a_heading_hardly_known_or_a_state_that_is_none_is_not_kept(void)
+{
+    const int i_psi = pel_model_index(&nav.model, PEL_BLOCK_ATTITUDE);
+    for (int k = 0; k < 3; k++) { nav.ud.D[i_psi + k] = PEL_R(0.4) * PEL_R(0.4); } /* 23 degrees */
+    TEST_ASSERT_EQUAL_UINT(0, pel_snapshot_encode(&nav, 1, buf, sizeof buf));
+    at_rest(T0, 1.0);
+    nav.have_state = false;
+    TEST_ASSERT_EQUAL_UINT(0, pel_snapshot_encode(&nav, 1, buf, sizeof buf));
+    at_rest(T0, 1.0);
+    nav.last_epoch_ns = 0;
+    TEST_ASSERT_EQUAL_UINT(0, pel_snapshot_encode(&nav, 1, buf, sizeof buf));
+}
+
+static void it_is_due_once_a_minute_and_when_it_has_come_to_rest(void)
+{
+    static const struct {
+        double last_s; /* before now */
+        bool last_was_still, still, due;
+    } of[] = {{59.9, true, true, false}, {60.0, true, true, true},    {-1.0, true, true, true}, /* time began anew */
+              {10.0, false, true, true}, {10.0, false, false, false}, {10.0, true, false, false}};
+    for (int i = 0; i < 6; i++) {
+        nav.warm.still_since_ns = of[i].still ? T0 - 3 * PEL_NS_PER_S : T0 - 2 * PEL_NS_PER_S;
+        const pel_time_t last_ns = T0 - (int64_t)(of[i].last_s * 1e9);
+        TEST_ASSERT_EQUAL_INT(of[i].due, pel_snapshot_is_due(&nav, last_ns, of[i].last_was_still));
+    }
+    TEST_ASSERT_TRUE(pel_snapshot_is_due(&nav, 0, true)); /* the first */
+    nav.ins = false;
+    TEST_ASSERT_FALSE(pel_snapshot_is_due(&nav, 0, true));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -365,5 +489,11 @@ int main(void)
     RUN_TEST(numbers_that_cannot_be_are_refused_whatever_the_checksum_says);
     RUN_TEST(another_mounting_or_imu_is_refused);
     RUN_TEST(what_is_not_healthy_is_not_kept);
+    RUN_TEST(each_number_has_its_limits);
+    RUN_TEST(lengths_that_cannot_be_are_refused);
+    RUN_TEST(what_is_not_wanted_or_not_there_changes_nothing);
+    RUN_TEST(without_a_base_none_comes_back_and_room_for_all_orbits_takes_all);
+    RUN_TEST(a_heading_hardly_known_or_a_state_that_is_none_is_not_kept);
+    RUN_TEST(it_is_due_once_a_minute_and_when_it_has_come_to_rest);
     return UNITY_END();
 }

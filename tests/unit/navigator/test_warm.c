@@ -188,7 +188,7 @@ static void gravity_and_the_earths_rate_tell_a_turn(void)
     (void)pel_unit3(first.at_horizon.r_eb_e, up);
     pel_cross3(polar, up, level);
     (void)pel_unit3(level, level);
-    const double tilted[3] = {0.02 * level[0], 0.02 * level[1], 0.02 * level[2]};
+    const double tilted[3] = {0.1 * level[0], 0.1 * level[1], 0.1 * level[2]};
     const double upside_down[3] = {PEL_PI * level[0], PEL_PI * level[1], PEL_PI * level[2]};
     const double turned[3] = {0.5 * up[0], 0.5 * up[1], 0.5 * up[2]}; /* gravity does not see it */
     turned_by(tilted);
