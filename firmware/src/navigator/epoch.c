@@ -137,8 +137,8 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *bas
     const bool relative = tried && difference(nav, rover, base);
     if (!relative) {
         nav->update.base_age_s = -1.0f;
-        if (tried && !view_rover(nav, rover, r_ea_e, v_ea_e, NULL)) { return false; } /* with the ionosphere again */
-        if (pel_sd_undifferenced(rover, &nav->view_rover, &nav->cfg.noise_single, &nav->sd) != PEL_OK) { return false; }
+        if (tried) { (void)view_rover(nav, rover, r_ea_e, v_ea_e, NULL); } /* with the ionosphere again */
+        (void)pel_sd_undifferenced(rover, &nav->view_rover, &nav->cfg.noise_single, &nav->sd); /* of at least a code */
     }
     if (relative != nav->relative && nav->last_epoch_ns != 0) {
         add_noise(nav, pel_model_index(&nav->model, PEL_BLOCK_POSITION), MODE_CHANGE_SD_M * MODE_CHANGE_SD_M);

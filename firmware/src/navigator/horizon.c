@@ -21,8 +21,8 @@ static void step(const pel_navigator_t *nav, const pel_imu_t *imu, pel_strapdown
     pel_strapdown_step(s, c, alpha, upsilon, imu->dt_s, imu->t_ns);
 }
 
-/* The part of the ring's i-th increment that lies in (from, to]: the increment itself or, where it is cut, *part. NULL if nothing is
- * left of it. */
+/* The part of the ring's i-th increment, which ends after from, that lies in (from, to]: the increment itself or, where it is cut,
+ * *part. NULL if nothing is left of it. */
 static const pel_imu_t *clipped(const pel_navigator_t *nav, int i, pel_time_t from_ns, pel_time_t to_ns,
                                 pel_imu_t *part)
 {
@@ -30,8 +30,8 @@ static const pel_imu_t *clipped(const pel_navigator_t *nav, int i, pel_time_t fr
     pel_imu_t rest;
     if (imu == NULL) { return NULL; }
     if (pel_imu_split(imu, from_ns, &rest, part) == PEL_OK) { imu = part; }
-    if (imu->t_ns > to_ns && pel_imu_split(imu, to_ns, part, &rest) == PEL_OK) { imu = part; }
-    return (imu->t_ns > from_ns && imu->t_ns <= to_ns) ? imu : NULL;
+    if (pel_imu_split(imu, to_ns, part, &rest) == PEL_OK) { imu = part; }
+    return (imu->t_ns <= to_ns) ? imu : NULL;
 }
 
 static void smooth_omega(pel_navigator_t *nav, const pel_imu_t *imu)

@@ -69,7 +69,7 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
             nav->counters.epochs_late++;
             return false;
         }
-        if (status == PEL_E_MISSING && nav->ins) { /* the IMU has gone */
+        if (status == PEL_E_MISSING) { /* the IMU has gone */
             pel_nav_drop_ins(nav);
             status = pel_nav_advance(nav, t_ns);
         }

@@ -100,11 +100,6 @@ void pel_nav_try_start_ins(pel_navigator_t *nav);
 /* Fall back to GNSS alone, keeping position and velocity. */
 void pel_nav_drop_ins(pel_navigator_t *nav);
 
-/* Mean specific force and angular rate over at most the last longest_s before t, which the ring must reach. Returns what it holds of
- * that, s. */
-double pel_nav_ring_mean(const pel_navigator_t *nav, pel_time_t t_ns, double longest_s, double f_ib_b[3],
-                         double omega_ib_b[3]);
-
 /* ---- yaw.c: heading without knowing the mounting ---- */
 
 void pel_nav_yaw_increment(pel_yaw_t *y, const pel_imu_t *body);

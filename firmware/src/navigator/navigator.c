@@ -40,10 +40,11 @@ static bool uses_base(const pel_navigator_t *nav)
     return pel_nav_preset(nav->cfg.preset)->base;
 }
 
+/* Newest of what has arrived, while an epoch waits. */
 static pel_time_t stream_now(const pel_navigator_t *nav)
 {
     pel_time_t now = nav->last_imu_ns;
-    if (nav->n_rover > 0 && nav->rover[nav->n_rover - 1].t_ns > now) { now = nav->rover[nav->n_rover - 1].t_ns; }
+    if (nav->rover[nav->n_rover - 1].t_ns > now) { now = nav->rover[nav->n_rover - 1].t_ns; }
     if (nav->n_base > 0 && nav->base[nav->n_base - 1].t_ns > now) { now = nav->base[nav->n_base - 1].t_ns; }
     return now;
 }

@@ -141,6 +141,16 @@ static void count_row(pel_navigator_t *nav, update_t *u, int i, kind_t kind, boo
     }
 }
 
+/* No two of several are near their median: all are refused, or a position that is wrong by far would go uncontradicted. */
+static void refuse_coarse(pel_navigator_t *nav, update_t *u, int first, int last, kind_t kind, const bool keep[])
+{
+    for (int i = first; i < last && kind != PHASE; i++) {
+        if (keep[i] || !has_value(&nav->sd.sd[i], kind)) { continue; }
+        nav->sats[i].flags |= PEL_SAT_EXCLUDED;
+        count_row(nav, u, i, kind, false);
+    }
+}
+
 /* The double difference of satellite i against the pivot as a row; phases carry their N, integer or state. */
 static double make_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, pel_row_t *row)
 {
@@ -195,7 +205,10 @@ static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t
     const int pivot = screen(nav, u, first, last, kind, keep);
     pel_whiten_t w;
     pel_row_t row;
-    if (pivot < 0) { return; }
+    if (pivot < 0) {
+        refuse_coarse(nav, u, first, last, kind, keep);
+        return;
+    }
     const int lead = (u->ant.i_psi > 0) ? u->ant.i_psi : 0; /* sensor states, which no row has */
     if (pel_whiten_begin(&w, nav->model.n - lead, (pel_real)variance(&nav->sd.sd[pivot], kind)) != PEL_OK) { return; }
     for (int i = first; i < last; i++) {

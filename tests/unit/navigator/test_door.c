@@ -159,6 +159,30 @@ static void an_epoch_without_orbits_gives_no_solution(void)
     TEST_ASSERT_EQUAL_UINT32(1, nav.counters.epochs_spp_failed);
 }
 
+static void samples_that_overlap_are_shortened_and_counted(void)
+{
+    const pel_imu_t imu = still(T0 + 204 * PEL_NS_PER_MS); /* ten milliseconds long, four behind the last */
+    pel_navigator_push_imu(&nav, &imu);
+    TEST_ASSERT_EQUAL_UINT32(1, nav.counters.imu_gap);
+    const pel_imu_t *newest = pel_imu_ring_newest(&nav.ring);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.004, newest->dt_s);
+    TEST_ASSERT_DOUBLE_WITHIN(1e-12, 0.0392, newest->upsilon_ib_b[2]);
+    TEST_ASSERT_EQUAL_UINT16(0, newest->flags); /* nothing was missing */
+}
+
+static void a_time_or_a_length_that_cannot_be_never_enters(void)
+{
+    pel_imu_t imu = still(T0 + PEL_NS_PER_S);
+    imu.dt_s = 1.0001;
+    refused(imu);
+    nav = before;
+    imu = still(0);
+    refused(imu);
+    nav = before;
+    imu = still(-T0);
+    refused(imu);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -174,5 +198,7 @@ int main(void)
     RUN_TEST(nor_does_one_increment);
     RUN_TEST(rover_epochs_out_of_order_are_put_in_order);
     RUN_TEST(an_epoch_without_orbits_gives_no_solution);
+    RUN_TEST(samples_that_overlap_are_shortened_and_counted);
+    RUN_TEST(a_time_or_a_length_that_cannot_be_never_enters);
     return UNITY_END();
 }

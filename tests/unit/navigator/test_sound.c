@@ -195,6 +195,25 @@ static void states_fewer_than_the_model_or_more_than_there_is_room_for(void)
     TEST_ASSERT_FALSE(pel_nav_is_sound(&nav));
 }
 
+/* Counts are looked at before each increment, the rest before the epoch that one makes due. */
+static void an_increment_that_makes_an_epoch_due_finds_it_too(void)
+{
+    carried_imu_until(&world, &good, SKY_T0 + (world.pair.epoch - 1) * PEL_NS_PER_S);
+    pel_navigator_push_base(&good, &base);
+    pel_navigator_push_rover(&good, &rover);
+    TEST_ASSERT_EQUAL_INT(1, good.n_rover);
+    nav = good;
+    nav.track.entry[0].state = -2;
+    TEST_ASSERT_TRUE(pel_nav_counts_are_sound(&nav));
+    for (int i = 0; i < 20; i++) {
+        const pel_imu_t imu = carried_imu(&world);
+        pel_navigator_push_imu(&nav, &imu);
+    }
+    TEST_ASSERT_EQUAL_UINT32(good.counters.numeric_faults + 1, nav.counters.numeric_faults);
+    TEST_ASSERT_EQUAL_INT(0, nav.n_rover);
+    TEST_ASSERT_FALSE(nav.have_state);
+}
+
 /* Without a state nothing is asked of a filter that is not used. */
 static void before_the_start_a_filter_does_not_matter(void)
 {
@@ -309,7 +328,7 @@ static void settings_that_changed_stop_everything(void)
     TEST_ASSERT_FALSE(pel_navigator_flush(&nav));
     TEST_ASSERT_EQUAL_MEMORY(&before, &nav, sizeof nav);
     pel_navigator_t *const n = &nav; /* increments go on, epochs that wait for them do not */
-    for (int i = 0; i < 50; i++) {
+    for (int i = 0; i < 120; i++) {
         const pel_imu_t imu = carried_imu(&world);
         pel_navigator_push_imu(n, &imu);
     }
@@ -365,6 +384,7 @@ int main(void)
     RUN_TEST(what_an_epoch_reads);
     RUN_TEST(epochs_that_wait);
     RUN_TEST(states_fewer_than_the_model_or_more_than_there_is_room_for);
+    RUN_TEST(an_increment_that_makes_an_epoch_due_finds_it_too);
     RUN_TEST(before_the_start_a_filter_does_not_matter);
     RUN_TEST(a_search_of_the_epoch_under_way);
     RUN_TEST(a_search_of_the_floats_under_way);
