@@ -36,7 +36,7 @@ static void fill_attitude(const pel_strapdown_t *at, const double C_e_n[3][3], c
     pel_nav_pack_symmetric(P_n, out->cov_att);
     out->roll_rad = (float)roll;
     out->pitch_rad = (float)pitch;
-    out->heading_rad = (float)((heading < 0.0) ? heading + 2.0 * PEL_PI : heading);
+    out->heading_rad = (float)heading;
     /* Pitch turns about the body's horizontal right axis, roll about forward: the tilt covariance turned by heading. */
     double s, c;
     pel_sincos(heading, &s, &c);
@@ -106,7 +106,7 @@ void pel_nav_fill_solution(const pel_navigator_t *nav, const pel_strapdown_t *at
 static void note_carriers(const pel_epoch_t *e, uint8_t seen[PEL_N_SYS])
 {
     for (int i = 0; i < e->n; i++) {
-        if (e->obs[i].sys < PEL_N_SYS) { seen[e->obs[i].sys] |= (uint8_t)(1u << e->obs[i].carrier); }
+        seen[e->obs[i].sys] |= (uint8_t)(1u << e->obs[i].carrier); /* systems that are allowed, so they exist */
     }
 }
 

@@ -106,11 +106,45 @@ static void an_event_two_seconds_late_is_still_served(void)
     TEST_ASSERT_EQUAL_UINT32(7, nav.event.id);
 }
 
+static void an_event_that_comes_while_another_waits_takes_its_place(void)
+{
+    fly_to(0.0, 1.0);
+    pel_navigator_push_event(&nav, T0 + 1010 * PEL_NS_PER_MS, 1); /* poses are still to come */
+    TEST_ASSERT_TRUE(nav.event_waiting);
+    pel_navigator_push_event(&nav, T0 + 1020 * PEL_NS_PER_MS, 2);
+    TEST_ASSERT_EQUAL_UINT32(1, nav.counters.events_refused);
+    fly_to(1.0, 1.1);
+    TEST_ASSERT_EQUAL_INT(PEL_NAV_EVENT, pel_navigator_poll(&nav));
+    TEST_ASSERT_EQUAL_UINT32(2, nav.event.id);
+    TEST_ASSERT_EQUAL_UINT32(1, nav.counters.events);
+}
+
+/* Its sigma and status are those of the newest solution, which without an output rate is that of the epoch. */
+static void an_event_has_the_sigma_of_the_newest_solution(void)
+{
+    for (int predicted = 0; predicted < 2; predicted++) {
+        setUp();
+        fly_to(0.0, 1.0);
+        nav.solution.t_ns = T0 + (predicted ? 950 : 800) * PEL_NS_PER_MS;
+        nav.solution.fix = PEL_FIX_FLOAT;
+        nav.solution.cov_r_ned[0] = 4.0f;
+        nav.epoch_solution.t_ns = T0 + 900 * PEL_NS_PER_MS;
+        nav.epoch_solution.fix = PEL_FIX_FIXED;
+        nav.epoch_solution.cov_r_ned[0] = 9.0f;
+        pel_navigator_push_event(&nav, T0 + 500 * PEL_NS_PER_MS, 1);
+        TEST_ASSERT_EQUAL_INT(PEL_NAV_EVENT, pel_navigator_poll(&nav));
+        TEST_ASSERT_EQUAL_FLOAT(predicted ? 2.0f : 3.0f, nav.event.sd_r_m[0]);
+        TEST_ASSERT_EQUAL_INT(predicted ? PEL_FIX_FLOAT : PEL_FIX_FIXED, nav.event.fix);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(hermite_at_100_hz_is_within_its_published_error);
     RUN_TEST(an_event_older_than_the_ring_is_refused_and_counted);
     RUN_TEST(an_event_two_seconds_late_is_still_served);
+    RUN_TEST(an_event_that_comes_while_another_waits_takes_its_place);
+    RUN_TEST(an_event_has_the_sigma_of_the_newest_solution);
     return UNITY_END();
 }

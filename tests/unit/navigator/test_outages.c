@@ -302,6 +302,30 @@ static void a_doubt_counts_from_its_own_time_on(void)
     TEST_ASSERT_LESS_THAN_DOUBLE(0.01, P_before.v[0][0]);
 }
 
+/* One satellite in common with the base is no double difference: the epoch is that of a receiver alone, and the next is not. */
+static void a_base_that_shares_too_little_is_none_for_this_epoch(void)
+{
+    carried_run(&world, &nav, 5);
+    nav.n_base = 0;
+    carried_observe(&world, &base, &rover);
+    base.n = 2; /* both carriers of one satellite */
+    carried_push(&world, &nav, &base, &rover);
+    TEST_ASSERT_FALSE(nav.relative);
+    TEST_ASSERT_EQUAL_INT(PEL_FIX_SPP, nav.last_fix);
+    TEST_ASSERT_EQUAL_FLOAT(-1.0f, nav.epoch_solution.base_age_s);
+    carried_step(&world, &nav);
+    TEST_ASSERT_TRUE(nav.relative);
+    TEST_ASSERT_EQUAL_UINT32(0, nav.counters.restarts);
+}
+
+static void factors_lost_since_the_last_substep_are_found_by_its_rest(void)
+{
+    with_ins();
+    TEST_ASSERT_EQUAL(PEL_OK, pel_nav_advance(&nav, nav.at_horizon.t_ns + 20 * PEL_NS_PER_MS));
+    nav.ud.D[pel_model_index(&nav.model, PEL_BLOCK_POSITION)] = PEL_R(-1.0);
+    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_nav_advance(&nav, nav.at_horizon.t_ns + 20 * PEL_NS_PER_MS));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -319,5 +343,7 @@ int main(void)
     RUN_TEST(lost_factors_end_the_ins_and_gnss_starts_again);
     RUN_TEST(a_gap_or_a_jolt_costs_sigma);
     RUN_TEST(a_doubt_counts_from_its_own_time_on);
+    RUN_TEST(a_base_that_shares_too_little_is_none_for_this_epoch);
+    RUN_TEST(factors_lost_since_the_last_substep_are_found_by_its_rest);
     return UNITY_END();
 }
