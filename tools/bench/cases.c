@@ -1,10 +1,10 @@
 /* cases.c - what is counted: one call each, on filters that look like a flight's. */
 #include "bench.h"
 #include "dense.h"
+#include "pelorus/bits.h"
 #include "pelorus/earth.h"
 #include "pelorus/filter.h"
 #include "pelorus/inertial.h"
-#include "pelorus/bits.h"
 #include "pelorus/math.h"
 
 #define BODY __attribute__((noinline)) static void

@@ -11,13 +11,19 @@
 #define LAG_STEP_NS       (100 * PEL_NS_PER_MS)
 #define SINGLE_STEP_MAX_S 100.0 /* GNSS alone: a longer silence starts afresh */
 
-/* One increment on a strapdown state, corrected for the sensor errors known now. */
-static void step(const pel_navigator_t *nav, const pel_imu_t *imu, pel_strapdown_t *s, pel_coning_t *c)
+/* An increment without the sensor errors known now. */
+static void correct(const pel_navigator_t *nav, const pel_imu_t *imu, double alpha[3], double upsilon[3])
 {
     const double *constant = nav->errors.gyro_constant, *markov = nav->errors.gyro_markov;
     const double b_g[3] = {constant[0] + markov[0], constant[1] + markov[1], constant[2] + markov[2]};
-    double alpha[3], upsilon[3];
     pel_imu_correct(imu, b_g, nav->errors.accel_markov, alpha, upsilon);
+}
+
+/* One increment on a strapdown state. */
+static void step(const pel_navigator_t *nav, const pel_imu_t *imu, pel_strapdown_t *s, pel_coning_t *c)
+{
+    double alpha[3], upsilon[3];
+    correct(nav, imu, alpha, upsilon);
     pel_strapdown_step(s, c, alpha, upsilon, imu->dt_s, imu->t_ns);
 }
 
@@ -76,9 +82,8 @@ static pel_status_t step_horizon(pel_navigator_t *nav, const pel_imu_t *part, pe
         step(nav, part, s, c);
         return pel_propagator_add(p, &nav->model, c->dv_f_e, part->dt_s, s->C_b_e, s->r_eb_e, &nav->ud);
     }
-    double b_g[3], b_a[3], alpha[3], upsilon[3];
-    sensor_errors(nav, b_g, b_a);
-    pel_imu_correct(part, b_g, b_a, alpha, upsilon);
+    double alpha[3], upsilon[3];
+    correct(nav, part, alpha, upsilon);
     const pel_status_t status = pel_strapdown_enu_step(enu, c, alpha, upsilon, part->dt_s, part->t_ns);
     if (status < 0) { return status; }
     s->t_ns = part->t_ns;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "../../../firmware/src/navigator/internal.h"
+#include "pelorus/bits.h"
 #include "pelorus/earth.h"
 #include "unity.h"
 
@@ -28,7 +29,7 @@ static pel_strapdown_enu_t off(const pel_strapdown_enu_t *true_state)
 {
     pel_strapdown_enu_t s = *true_state;
     double turn[3][3], M, N_radius;
-    pel_earth_radii(s.lat, &M, &N_radius);
+    pel_earth_radii_at(sin(s.lat), &M, &N_radius);
     pel_rotvec_to_dcm(LENGTH, turn);
     pel_mat3_mul(turn, true_state->C_b_enu, s.C_b_enu);
     for (int k = 0; k < 3; k++) { s.v_eb_enu[k] += LENGTH[3 + k]; }

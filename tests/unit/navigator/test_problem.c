@@ -26,6 +26,7 @@ static void observed(unsigned systems, uint8_t carriers)
         pel_sd_t *sd = &good.sd.sd[i];
         if ((double)sd->el_rad < good.cfg.integer_mask_rad) { sd->el_rad = (float)(16.0 * PEL_DEG); }
     }
+    pair_see_again(&good);
     nav = good;
     memset(&ints, 0, sizeof ints);
 }

@@ -19,6 +19,7 @@ void setUp(void)
     cfg.slice_nodes = 0;
     carried_introduce(&world, &good, &cfg);
     carried_run(&world, &good, 6);
+    pair_see_again(&good);
     nav = good;
     u = &nav.update;
     u->used = u->code_used = u->code_refused = u->held_used = u->held_refused = 0;

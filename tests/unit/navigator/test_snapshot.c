@@ -456,21 +456,25 @@ static void a_heading_hardly_known_or_a_state_that_is_none_is_not_kept(void)
     TEST_ASSERT_EQUAL_UINT(0, pel_snapshot_encode(&nav, 1, buf, sizeof buf));
 }
 
-static void it_is_due_once_a_minute_and_when_it_has_come_to_rest(void)
+static void it_is_due_when_it_has_stood_and_the_last_one_is_old_enough(void)
 {
     static const struct {
-        double last_s; /* before now */
-        bool last_was_still, still, due;
-    } of[] = {{59.9, true, true, false}, {60.0, true, true, true},    {-1.0, true, true, true}, /* time began anew */
-              {10.0, false, true, true}, {10.0, false, false, false}, {10.0, true, false, false}};
-    for (int i = 0; i < 6; i++) {
-        nav.warm.still_since_ns = of[i].still ? T0 - 3 * PEL_NS_PER_S : T0 - 2 * PEL_NS_PER_S;
-        const pel_time_t last_ns = T0 - (int64_t)(of[i].last_s * 1e9);
-        TEST_ASSERT_EQUAL_INT(of[i].due, pel_snapshot_is_due(&nav, last_ns, of[i].last_was_still));
+        double last_s, since_s; /* before now */
+        bool due;
+    } of[] = {{59.9, 3.0, false},   {60.0, 3.0, true},       {60.0, 2.9, false},     /* of another standstill */
+              {59.0, 100.0, false}, {3599.0, 4000.0, false}, {3600.0, 4000.0, true}, /* of this one */
+              {-1.0, 3.0, true}};                                                    /* time began anew */
+    for (int i = 0; i < 7; i++) {
+        nav.warm.still_since_ns = T0 - (int64_t)(of[i].since_s * 1e9);
+        TEST_ASSERT_EQUAL_INT(of[i].due, pel_snapshot_is_due(&nav, T0 - (int64_t)(of[i].last_s * 1e9)));
     }
-    TEST_ASSERT_TRUE(pel_snapshot_is_due(&nav, 0, true)); /* the first */
+    TEST_ASSERT_TRUE(pel_snapshot_is_due(&nav, 0)); /* the first */
     nav.ins = false;
-    TEST_ASSERT_FALSE(pel_snapshot_is_due(&nav, 0, true));
+    TEST_ASSERT_FALSE(pel_snapshot_is_due(&nav, 0));
+    TEST_ASSERT_FALSE(pel_snapshot_is_outlived(&nav));
+    nav.have_state = false;
+    nav.at_horizon.v_eb_e[0] = 5.0;
+    TEST_ASSERT_FALSE(pel_snapshot_is_outlived(&nav)); /* of a state that is none */
 }
 
 int main(void)
@@ -494,6 +498,6 @@ int main(void)
     RUN_TEST(what_is_not_wanted_or_not_there_changes_nothing);
     RUN_TEST(without_a_base_none_comes_back_and_room_for_all_orbits_takes_all);
     RUN_TEST(a_heading_hardly_known_or_a_state_that_is_none_is_not_kept);
-    RUN_TEST(it_is_due_once_a_minute_and_when_it_has_come_to_rest);
+    RUN_TEST(it_is_due_when_it_has_stood_and_the_last_one_is_old_enough);
     return UNITY_END();
 }

@@ -150,8 +150,6 @@ static void what_an_epoch_reads(void)
         SPOIL(slip_rover.n, PEL_MAX_OBS + 1),
         SPOIL(slip_base.n, PEL_MAX_OBS + 1),
         SPOIL(sd.n, PEL_MAX_OBS + 1),
-        SPOIL(view_rover.n, PEL_MAX_SATS + 1),
-        SPOIL(view_base.n, PEL_MAX_SATS + 1),
         SPOIL(base[0].n, PEL_MAX_OBS + 1),
         SPOIL(base[1].obs[3].sys, PEL_N_SYS),
         SPOIL(base[2].obs[0].carrier, PEL_N_CARRIER),

@@ -96,3 +96,14 @@ double pair_error_m(const pair_t *p, const pel_navigator_t *nav)
     }
     return sqrt(sq);
 }
+
+void pair_see_again(pel_navigator_t *nav)
+{
+    pel_view_t *view = &nav->view_rover;
+    view->n = 0;
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        if (pel_view_find(view, sd->sys, sd->prn) != NULL) { continue; }
+        view->sight[view->n++] = (pel_sight_t){.sys = sd->sys, .prn = sd->prn, .el_rad = sd->el_rad};
+    }
+}

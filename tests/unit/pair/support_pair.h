@@ -29,4 +29,7 @@ bool pair_step(pair_t *p, pel_navigator_t *nav);
 /* Distance of the navigator's last epoch from the truth, m. */
 double pair_error_m(const pair_t *p, const pel_navigator_t *nav);
 
+/* The rover's view again, of the satellites in nav->sd: a search has taken its memory. */
+void pair_see_again(pel_navigator_t *nav);
+
 #endif
