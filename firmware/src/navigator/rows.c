@@ -221,14 +221,14 @@ static void update_group(pel_navigator_t *nav, update_t *u, const pel_nav_axes_t
         const bool whitened = keep[i] && pel_whiten_row(&w, r_i, &row.z, &row.h[lead], &row.var) == PEL_OK;
         if (whitened && kind == CODE && u->held_used >= 3) { pel_nav_hold_watch_row(nav, &row, u->ant.i_r); }
         const double z = (double)row.z;
-        const double var_row = (double)row.var; /* as nis judges it */
         const bool learns = whitened && nav->noise_level.learning && kind != RATE && (nav->relative || kind == PHASE);
         const double var_state = learns ? (double)pel_ud_hph(&nav->ud, row.h, row.first) : 0.0;
         if (whitened && kind == CODE) { weaken_reflection(nav, u->code_inflated_by, &row); }
         const bool used = whitened && update_robustly(nav, &row, &nis);
         if (used && learns) {
             const int level = (kind == PHASE && !nav->relative) ? PEL_NAV_LEVEL_ROVER : (int)kind;
-            pel_nav_noise_level_learn(nav, sd, level, (double)nis, var_state, var_row);
+            /* With the variance that the row was used with: one far out is the measurement's error rather than the state's. */
+            pel_nav_noise_level_learn(nav, sd, level, (double)nis, var_state, (double)row.var);
         }
         if (used) {
             pel_whiten_accept(&w, r_i, row.z, &row.h[lead]);
