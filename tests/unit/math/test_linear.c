@@ -173,6 +173,29 @@ static void products_inverse_and_congruence_fit_together(void)
     TEST_ASSERT_TRUE(pel_unit3(zero, zero) == 0.0 && zero[0] == 0.0);
 }
 
+/* Turned by v in the frame it comes from and by C v in the frame it goes to, an attitude is the same; and back again. */
+static void a_turn_is_the_same_in_either_frame(void)
+{
+    for (int i = 0; i < 1000; i++) {
+        double at[3], v[3], back[3], Cv[3], C[3][3], from[3][3], to[3][3], series[3][3], want[3][3];
+        random_vector(at, 3.0);
+        random_vector(v, 1.5);
+        pel_rotvec_to_dcm(at, C);
+        pel_mat3_copy(C, from);
+        pel_mat3_copy(C, to);
+        pel_mat3_vec(C, v, Cv);
+        series_exponential(v, series);
+        pel_mat3_mul(C, series, want);
+        pel_dcm_turn_from(from, v);
+        pel_dcm_turn_to(to, Cv);
+        TEST_ASSERT_TRUE(departure(want, from) < 2e-15);
+        TEST_ASSERT_TRUE(departure(want, to) < 4e-15);
+        for (int k = 0; k < 3; k++) { back[k] = -v[k]; }
+        pel_dcm_turn_from(from, back);
+        TEST_ASSERT_TRUE(departure(C, from) < 2e-15);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -180,5 +203,6 @@ int main(void)
     RUN_TEST(half_turns_keep_their_axis);
     RUN_TEST(orthonormalising_squares_the_error);
     RUN_TEST(products_inverse_and_congruence_fit_together);
+    RUN_TEST(a_turn_is_the_same_in_either_frame);
     return UNITY_END();
 }
