@@ -69,7 +69,7 @@ pel_order_t pel_time_order(pel_time_t t, pel_time_t tol_ns, pel_time_t given, pe
         return PEL_ORDER_SAME;
     }
     count->time_back++;
-    if (*n_back > 0u && t > *back + tol_ns) {
+    if (t > *back + tol_ns) {
         (*n_back)++;
     } else if (*n_back == 0u || t < *back - tol_ns) {
         *n_back = 1;

@@ -117,7 +117,7 @@ bool pel_obs_plausible(const pel_obs_t *o)
     const bool code_ok = o->P_m >= 1e6 && o->P_m <= 1e8; /* false for NaN */
     const bool phase_ok = o->L_cyc >= -1e10 && o->L_cyc <= 1e10;
     const bool doppler_ok = o->D_hz >= -1e5f && o->D_hz <= 1e5f;
-    if ((unsigned)o->sys >= PEL_N_SYS || o->prn < 1 || o->prn > pel_sys_max_prn((pel_sys_t)o->sys)) { return false; }
+    if (o->prn < 1 || o->prn > pel_sys_max_prn((pel_sys_t)o->sys)) { return false; } /* 0 of a system that is none */
     if (pel_carrier_hz((pel_sys_t)o->sys, (pel_carrier_t)o->carrier, o->glo_k) == 0.0) { return false; }
     if ((o->flags & PEL_OBS_CODE) != 0u && !code_ok) { return false; }
     if ((o->flags & PEL_OBS_PHASE) != 0u && !phase_ok) { return false; }

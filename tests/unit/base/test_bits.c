@@ -189,11 +189,12 @@ static void a_writer_tells_overflow_and_range(void)
 
 static void little_endian_numbers(void)
 {
-    uint8_t p[8];
+    uint8_t p[8] = {0, 0, 0, 0, 0x5A};
     const double values[] = {0.0, -0.0, 1.0, -2.5, 1e-310, 1.7976931348623157e308};
     pel_le_put(p, 4, 0x01020304u);
     TEST_ASSERT_EQUAL_HEX8(0x04, p[0]);
     TEST_ASSERT_EQUAL_HEX8(0x01, p[3]);
+    TEST_ASSERT_EQUAL_HEX8(0x5A, p[4]);
     pel_le_put(p, 4, (uint64_t)INT64_C(-5));
     TEST_ASSERT_EQUAL_INT64(-5, pel_le_s(p, 4));
     for (size_t i = 0; i < sizeof values / sizeof values[0]; i++) {

@@ -163,6 +163,33 @@ static void an_accuracy_is_never_sent_better_than_it_is(void)
     }
 }
 
+/* ICD GLONASS, table 4.13: which checks a data bit takes part in, beside the one over all bits. */
+static void parity_is_that_of_the_interface_document(void)
+{
+    static const struct {
+        unsigned bit;
+        uint8_t checks;
+    } CASE[] = {{9, 0x83}, {10, 0x85}, {11, 0x86}, {12, 0x07}, {13, 0x89}, {15, 0x0B}, {85, 0x54}};
+    uint8_t s[12] = {0};
+    TEST_ASSERT_TRUE(pel_glo_string_good(s));
+    for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
+        memset(s, 0, sizeof s);
+        pel_bits_put(s, 85 - CASE[i].bit, 1, 1);
+        TEST_ASSERT_FALSE(pel_glo_string_good(s));
+        pel_glo_string_seal(s);
+        TEST_ASSERT_EQUAL_HEX8(CASE[i].checks, (uint8_t)pel_bits_u(s, 77, 8));
+        TEST_ASSERT_TRUE(pel_glo_string_good(s));
+    }
+}
+
+/* Sign and magnitude have two zeros: the one without a sign is sent. */
+static void zero_goes_out_without_a_sign(void)
+{
+    pel_ephemeris_t e = orbit();
+    TEST_ASSERT_GREATER_THAN_size_t(0, pel_rtcm3_encode_ephemeris(&e, frame, sizeof frame));
+    TEST_ASSERT_EQUAL_HEX64(0, pel_bits_u(frame + 3, 12 + 6 + 5 + 4 + 12 + 1 + 1 + 7, 24)); /* v_x */
+}
+
 static void what_has_no_representation_is_not_sent(void)
 {
     pel_ephemeris_t e = orbit();
@@ -199,6 +226,8 @@ int main(void)
     RUN_TEST(a_time_of_day_is_taken_on_the_day_that_is_nearest);
     RUN_TEST(health_and_accuracy_come_from_two_flags_and_a_table);
     RUN_TEST(an_accuracy_is_never_sent_better_than_it_is);
+    RUN_TEST(parity_is_that_of_the_interface_document);
+    RUN_TEST(zero_goes_out_without_a_sign);
     RUN_TEST(what_has_no_representation_is_not_sent);
     return UNITY_END();
 }

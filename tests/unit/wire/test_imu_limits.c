@@ -232,13 +232,13 @@ static void raw_samples_of_impossible_time_size_or_health_are_refused(void)
 static void a_gap_without_numbers_is_told_by_the_time(void)
 {
     static const struct {
-        int64_t after_ms;
+        int64_t after_us;
         uint32_t gap;
-    } CASE[] = {{5, 0}, {7, 0}, {8, 1}}; /* type 26 samples at 200 Hz: a gap is more than 7.5 ms */
+    } CASE[] = {{5000, 0}, {7499, 0}, {7501, 1}}; /* type 26 samples at 200 Hz: a gap is more than 7.5 ms */
     for (size_t i = 0; i < 3; i++) {
         setUp();
         TEST_ASSERT_EQUAL_INT(1, push_raw(raw_at(T0, 1e-9, 2e-8)));
-        TEST_ASSERT_EQUAL_INT(1, push_raw(raw_at(T0 + CASE[i].after_ms * PEL_NS_PER_MS, 1e-9, 2e-8)));
+        TEST_ASSERT_EQUAL_INT(1, push_raw(raw_at(T0 + CASE[i].after_us * 1000, 1e-9, 2e-8)));
         TEST_ASSERT_EQUAL_UINT32(CASE[i].gap, s.counters.gap);
     }
 }
@@ -266,6 +266,7 @@ static void counts_that_do_not_fit_are_not_sent(void)
     TEST_ASSERT_EQUAL_size_t(0, pel_rawimusx_encode(&m, 26, 1e-9, 0.0, frame, sizeof frame));
     TEST_ASSERT_EQUAL_size_t(0, pel_rawimusx_encode(&m, 26, 1e-9, -1.0, frame, sizeof frame));
     TEST_ASSERT_EQUAL_size_t(0, pel_rawimusx_encode(&m, 26, 1e-9, 2e-8, frame, 55));
+    TEST_ASSERT_EQUAL_size_t(56, pel_rawimusx_encode(&m, 26, 1e-9, 2e-8, frame, 56));
     m.dt_s = 0.0;
     TEST_ASSERT_EQUAL_size_t(0, pel_rawimusx_encode(&m, 26, 1e-9, 2e-8, frame, sizeof frame));
 }

@@ -110,6 +110,7 @@ static void masks_longer_than_the_message_are_refused(void)
         {1, 32, CELLS_AT + 32 + 17, false},
         {2, 32, CELLS_AT + 64 + 36, true},
         {2, 32, CELLS_AT + 63, false}, /* the satellites would fit, the cell mask does not */
+        {1, 5, 192, true},             /* ends with a byte */
         {3, 22, 8 * 200, false},       /* 66 cells */
         {64, 1, CELLS_AT + 64 + 64 * 18, true},
     };
@@ -208,8 +209,8 @@ static void a_doppler_that_does_not_fit_is_sent_as_none(void)
     } CASE[] = {
         {{8191.0, 8191.0}, {true, true}},     {{-8191.0, -8191.0}, {true, true}}, {{8192.0, 8192.0}, {false, false}},
         {{-8192.0, -8192.0}, {false, false}}, {{9000.0, 100.0}, {false, true}}, /* the second gives the satellite's */
-        {{100.0, 101.638}, {true, true}},     {{100.0, 101.639}, {true, false}},  {{100.0, 98.362}, {true, true}},
-        {{100.0, 98.361}, {true, false}},
+        {{100.0, 101.638}, {true, true}},     {{100.0, 101.6384}, {true, false}}, {{100.0, 98.362}, {true, true}},
+        {{100.0, 98.3616}, {true, false}},
     };
     for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
         support_epoch(&epoch, T0, PEL_SYS_GPS, 1);
@@ -278,6 +279,53 @@ static void signals_that_cannot_be_are_left_out(void)
     TEST_ASSERT_EQUAL_INT(1, round_trip(PEL_SYS_GPS, 7));
     TEST_ASSERT_EQUAL_UINT16(4, rx.epoch.n);
     TEST_ASSERT_EQUAL_UINT8(2, rx.epoch.obs[0].prn);
+    TEST_ASSERT_EQUAL_UINT32(0, rx.counters.bad_value);
+}
+
+/* Of an epoch of two systems, and of an array that holds more than the epoch, nothing else goes out. */
+static void only_signals_of_the_system_and_of_the_epoch_go_out(void)
+{
+    support_epoch(&epoch, T0, PEL_SYS_GPS, 2);
+    support_append(&epoch, PEL_SYS_GAL, 4);
+    TEST_ASSERT_EQUAL_INT(1, round_trip(PEL_SYS_GPS, 7));
+    TEST_ASSERT_EQUAL_UINT16(4, rx.epoch.n);
+    support_epoch(&epoch, T0, PEL_SYS_GPS, 3); /* 1: L1, 2: L1 and L2, 3: L1 without code; behind them L2 of 1 and 3 */
+    epoch.obs[0].code = 'X';                   /* the last number of the mask */
+    const pel_obs_t behind = epoch.obs[1];
+    for (int i = 1; i < 4; i++) { epoch.obs[i] = epoch.obs[i + 1]; }
+    epoch.obs[3].flags = PEL_OBS_PHASE;
+    epoch.n = 4;
+    for (int i = 0; i < 2; i++) {
+        epoch.obs[4] = (i == 0) ? behind : epoch.obs[5];
+        TEST_ASSERT_EQUAL_INT(1, round_trip(PEL_SYS_GPS, 7));
+        TEST_ASSERT_EQUAL_UINT16(3, rx.epoch.n);
+        TEST_ASSERT_EQUAL_CHAR('X', rx.epoch.obs[0].code);
+    }
+}
+
+static void moscows_day_may_have_a_leap_second_and_no_more(void)
+{
+    for (uint32_t extra = 0; extra < 2; extra++) {
+        setUp();
+        support_epoch(&epoch, T0, PEL_SYS_GLO, 2);
+        const size_t n = encode(PEL_SYS_GLO, 7);
+        pel_bits_put(message, 24 + 3, 27, 86400999u + extra);
+        (void)push_changed(n);
+        TEST_ASSERT_EQUAL_UINT32(extra, rx.counters.bad_value);
+    }
+}
+
+static void a_code_just_too_far_from_the_first_is_sent_as_none(void)
+{
+    for (int units = 16383; units <= 16384; units++) { /* of 2^-24 ms */
+        for (int sign = -1; sign <= 1; sign += 2) {
+            support_epoch(&epoch, T0, PEL_SYS_GPS, 1);
+            epoch.obs[0].P_m = PEL_RANGE_MS_M * 70.5;
+            epoch.obs[1].P_m = PEL_RANGE_MS_M * (70.5 + sign * units * 0x1p-24);
+            TEST_ASSERT_EQUAL_INT(1, round_trip(PEL_SYS_GPS, 4));
+            TEST_ASSERT_EQUAL(units < 16384, (rx.epoch.obs[1].flags & PEL_OBS_CODE) != 0);
+        }
+    }
 }
 
 static void the_encoder_refuses_what_no_message_holds(void)
@@ -292,6 +340,8 @@ static void the_encoder_refuses_what_no_message_holds(void)
     TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_msm(&epoch, PEL_SYS_GPS, 7, 4096, false, frame, 32));
     TEST_ASSERT_EQUAL_size_t(0, encode((pel_sys_t)-1, 7));
     TEST_ASSERT_EQUAL_size_t(0, encode(PEL_SYS_GPS, 8));
+    epoch.n = PEL_MAX_OBS;
+    TEST_ASSERT_GREATER_THAN_size_t(0, encode(PEL_SYS_GPS, 7));
     epoch.n = PEL_MAX_OBS + 1;
     TEST_ASSERT_EQUAL_size_t(0, encode(PEL_SYS_GPS, 7));
     support_epoch(&epoch, T0, PEL_SYS_GPS, 1);
@@ -313,6 +363,9 @@ int main(void)
     RUN_TEST(strengths_saturate_at_their_bits);
     RUN_TEST(signals_beyond_64_cells_are_left_out);
     RUN_TEST(signals_that_cannot_be_are_left_out);
+    RUN_TEST(only_signals_of_the_system_and_of_the_epoch_go_out);
+    RUN_TEST(moscows_day_may_have_a_leap_second_and_no_more);
+    RUN_TEST(a_code_just_too_far_from_the_first_is_sent_as_none);
     RUN_TEST(the_encoder_refuses_what_no_message_holds);
     return UNITY_END();
 }

@@ -146,20 +146,24 @@ static void an_accuracy_is_never_sent_better_than_it_is(void)
 
 static void the_fit_interval_is_gps_own(void)
 {
-    pel_ephemeris_t e;
-    pel_nav_raw_t raw;
-    for (int sys = 0; sys < PEL_SYS_SBS; sys++) {
-        if (sys == PEL_SYS_GLO) { continue; }
-        support_ephemeris(&e, (pel_sys_t)sys, 9);
-        e.fit_s = 10800.0f;
-        TEST_ASSERT_TRUE(pel_eph_to_raw(&e, T0, &raw));
-        TEST_ASSERT_EQUAL_UINT32(1, raw.fit);
-        TEST_ASSERT_TRUE(pel_eph_from_raw(&e, &raw, true, T0));
-        const float long_s = (sys == PEL_SYS_GPS) ? 10800.0f : e.fit_s;
-        TEST_ASSERT_EQUAL_FLOAT(long_s, e.fit_s);
-        raw.fit = 0;
-        TEST_ASSERT_TRUE(pel_eph_from_raw(&e, &raw, true, T0));
-        TEST_ASSERT_EQUAL_FLOAT((sys == PEL_SYS_GPS || sys == PEL_SYS_QZS) ? 7200.0f : 14400.0f, e.fit_s);
+    static const struct {
+        pel_sys_t sys;
+        float fit_s[2]; /* without and with the flag of a longer one */
+    } CASE[] = {{PEL_SYS_GPS, {7200.0f, 10800.0f}},
+                {PEL_SYS_QZS, {7200.0f, 7200.0f}},
+                {PEL_SYS_GAL, {14400.0f, 14400.0f}},
+                {PEL_SYS_BDS, {14400.0f, 14400.0f}}};
+    for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
+        for (uint32_t flag = 0; flag < 2; flag++) {
+            pel_ephemeris_t e;
+            pel_nav_raw_t raw;
+            support_ephemeris(&e, CASE[i].sys, 9);
+            e.fit_s = (flag != 0) ? 7201.0f : 7200.0f;
+            TEST_ASSERT_TRUE(pel_eph_to_raw(&e, T0, &raw));
+            TEST_ASSERT_EQUAL_UINT32(flag, raw.fit);
+            TEST_ASSERT_TRUE(pel_eph_from_raw(&e, &raw, true, T0));
+            TEST_ASSERT_EQUAL_FLOAT(CASE[i].fit_s[flag], e.fit_s);
+        }
     }
 }
 
@@ -228,7 +232,7 @@ static void fields_too_large_buffers_too_small_and_parts_that_are_none_give_no_f
         TEST_ASSERT_EQUAL_size_t(0, pel_ubx_encode_sfrbx_eph(&e, 1, T0, frame, 55));
         TEST_ASSERT_GREATER_THAN_size_t(0, pel_ubx_encode_sfrbx_eph(&e, 1, T0, frame, 56));
         TEST_ASSERT_EQUAL_size_t(0, rtcm(&e, 69));
-        TEST_ASSERT_GREATER_THAN_size_t(0, rtcm(&e, 76));
+        TEST_ASSERT_GREATER_THAN_size_t(0, rtcm(&e, 70));
         e.crs = -5000.0;
         TEST_ASSERT_EQUAL_size_t(0, pel_ubx_encode_sfrbx_eph(&e, CASE[i].with_crs, T0, frame, sizeof frame));
         TEST_ASSERT_EQUAL_size_t(0, rtcm(&e, sizeof frame));

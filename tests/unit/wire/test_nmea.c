@@ -65,6 +65,9 @@ static void every_kind_of_solution_has_its_digit_and_its_letter(void)
         TEST_ASSERT_EQUAL_INT(13, n_fields);
         TEST_ASSERT_EQUAL_STRING((CASE[i].fix == PEL_FIX_NONE) ? "V" : "A", field[1]);
         TEST_ASSERT_EQUAL_STRING(CASE[i].mode, field[11]);
+        s.base_age_s = 0.0f;
+        split(pel_nmea_gga(&s, text, sizeof text));
+        TEST_ASSERT_EQUAL_STRING((CASE[i].age[0] != '\0') ? "0.0" : "", field[12]);
         s.base_age_s = -1.0f; /* no base */
         split(pel_nmea_gga(&s, text, sizeof text));
         TEST_ASSERT_EQUAL_INT(14, n_fields);

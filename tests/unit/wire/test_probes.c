@@ -146,6 +146,10 @@ static void a_sentence_ends_in_two_digits_and_a_new_line(void)
         {"$J*4`\r\n", PEL_PROBE_NOISE},
         {"$J*4/\r\n", PEL_PROBE_NOISE},
         {"$A*42\r\n", PEL_PROBE_BAD_CHECKSUM},
+        {"$I*49\r\n", PEL_PROBE_FRAME},
+        {"$O*4F\r\n", PEL_PROBE_FRAME},
+        {"$O*4f\r\n", PEL_PROBE_FRAME},
+        {"$p*70\r\n", PEL_PROBE_FRAME},
         {"$A\x1F", PEL_PROBE_NOISE},
         {"$A\x7F", PEL_PROBE_NOISE},
         {"$A ~", PEL_PROBE_MORE},
@@ -263,6 +267,23 @@ static void only_times_in_order_among_themselves_count_towards_a_restart(void)
     TEST_ASSERT_EQUAL_INT(PEL_ORDER_NEW, pel_time_order(3, tol, 0, &back, &n_back, &count)); /* the first of all */
 }
 
+static void a_millisecond_of_week_is_taken_in_the_week_that_is_nearest(void)
+{
+    static const struct {
+        uint32_t tow_ms;
+        int64_t ref_ms, want_ms;
+    } CASE[] = {{0, 302400000, 0},
+                {0, 302400001, 604800000},
+                {302400000, 0, 302400000},
+                {302400001, 0, 302400001 - 604800000},
+                {604800999, 0, 999}}; /* a leap second behind the week */
+    for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
+        const pel_time_t week = 2300 * PEL_NS_PER_WEEK;
+        TEST_ASSERT_EQUAL_INT64(week + CASE[i].want_ms * PEL_NS_PER_MS,
+                                pel_tow_ms_near(CASE[i].tow_ms, week + CASE[i].ref_ms * PEL_NS_PER_MS));
+    }
+}
+
 static void a_week_is_possible_between_1999_and_2094(void)
 {
     static const struct {
@@ -308,6 +329,7 @@ int main(void)
     RUN_TEST(dropping_more_than_there_is_empties_the_buffer);
     RUN_TEST(a_search_stops_at_one_verdict_or_at_the_end_goes_through);
     RUN_TEST(only_times_in_order_among_themselves_count_towards_a_restart);
+    RUN_TEST(a_millisecond_of_week_is_taken_in_the_week_that_is_nearest);
     RUN_TEST(a_week_is_possible_between_1999_and_2094);
     RUN_TEST(a_seal_refuses_what_its_length_field_or_the_buffer_cannot_hold);
     return UNITY_END();

@@ -116,9 +116,11 @@ static void channels_are_remembered_by_slot(void)
         int k;
         bool known;
     } CASE[] = {{1, -7, true}, {32, 6, true}, {2, -8, false}, {3, 7, false}, {0, 0, false}, {33, 0, false}};
+    rx.n_back = 5; /* lies behind the channels */
     for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
         int8_t k = 99;
         pel_rx_learn_channel(&rx, CASE[i].slot, CASE[i].k);
+        TEST_ASSERT_EQUAL_UINT8(5, rx.n_back);
         TEST_ASSERT_EQUAL(CASE[i].known, pel_rx_channel(&rx, CASE[i].slot, &k));
         TEST_ASSERT_EQUAL_INT8(CASE[i].known ? CASE[i].k : 99, k);
     }

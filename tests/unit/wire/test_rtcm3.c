@@ -107,6 +107,10 @@ static void a_frame_without_a_message_is_unknown(void)
     TEST_ASSERT_EQUAL_INT(0, push(0, PEL_RX_EPOCH));
     TEST_ASSERT_EQUAL_UINT32(1, rx.counters.unknown);
     TEST_ASSERT_EQUAL_UINT32(0, rx.counters.bad_length);
+    pel_bits_put(message, 0, 12, 1005); /* with a number and nothing else it is that message, cut */
+    (void)push(16, PEL_RX_STATION);
+    TEST_ASSERT_EQUAL_UINT32(1, rx.counters.unknown);
+    TEST_ASSERT_EQUAL_UINT32(1, rx.counters.bad_length);
 }
 
 /* ---- 1005, 1006 ------------------------------------------------------------------------------------------------------ */

@@ -127,6 +127,7 @@ static void marks_for_none_leave_parts_out_or_all_of_them(void)
             if (!CASE[i].phase_2) { s.phase_2 = NO_PHASE; }
             TEST_ASSERT_EQUAL_INT((CASE[i].n > 0) ? 1 : 0, push_sat(s, glonass != 0));
             TEST_ASSERT_EQUAL_UINT16(CASE[i].n, rx.epoch.n);
+            TEST_ASSERT_EQUAL_UINT32(0, rx.counters.bad_value);
             for (int k = 0; k < (int)CASE[i].n; k++) {
                 TEST_ASSERT_EQUAL_HEX8(CASE[i].flags[k], rx.epoch.obs[k].flags);
             }
@@ -197,7 +198,10 @@ static void what_an_msm_tells_is_not_taken_again(void)
 
 static void a_message_shorter_than_its_satellites_is_refused(void)
 {
-    const sat_t sats[2] = {GPS_SAT, GPS_SAT};
+    sat_t sats[8];
+    for (int i = 0; i < 8; i++) { sats[i] = GPS_SAT; }
+    TEST_ASSERT_EQUAL_size_t(8 * 133, message_of(false, T0, sats, 8, false)); /* eight end with a byte */
+    TEST_ASSERT_EQUAL_INT(1, push(8 * 133, PEL_RX_EPOCH));
     for (int glonass = 0; glonass < 2; glonass++) {
         for (size_t cut = 0; cut < 2; cut++) {
             tell_the_day();
@@ -293,6 +297,33 @@ static void what_a_satellite_lacks_is_sent_as_none(void)
     TEST_ASSERT_EQUAL_UINT8(2, rx.epoch.obs[0].prn);
 }
 
+/* DF013 holds 24 seconds one by one, then steps that double; what it says has been tracked at least. */
+static void lock_times_are_rounded_down_to_their_steps(void)
+{
+    static const uint32_t CASE_MS[][2] = {{0, 0},         {999, 0},         {1000, 1000},     {23999, 23000},
+                                          {24000, 24000}, {25999, 24000},   {26000, 26000},   {72000, 72000},
+                                          {75999, 72000}, {936999, 936000}, {937000, 937000}, {4000000, 937000}};
+    for (size_t i = 0; i < sizeof CASE_MS / sizeof CASE_MS[0]; i++) {
+        support_epoch(&epoch, T0, PEL_SYS_GPS, 1);
+        epoch.obs[0].lock_ms = CASE_MS[i][0];
+        TEST_ASSERT_EQUAL_INT(1, round_trip(false));
+        TEST_ASSERT_EQUAL_UINT32(CASE_MS[i][1], rx.epoch.obs[0].lock_ms);
+        TEST_ASSERT_EQUAL_UINT32(1000, rx.epoch.obs[1].lock_ms);
+    }
+}
+
+static void a_code_of_l2_just_too_far_from_that_of_l1_is_sent_as_none(void)
+{
+    static const double AWAY_M[] = {163.82, 163.84, -163.82, -163.84};
+    for (size_t i = 0; i < 4; i++) {
+        support_epoch(&epoch, T0, PEL_SYS_GPS, 1);
+        epoch.obs[0].P_m = 70.0 * MS_M + 1000.0;
+        epoch.obs[1].P_m = epoch.obs[0].P_m + AWAY_M[i];
+        TEST_ASSERT_EQUAL_INT(1, round_trip(false));
+        TEST_ASSERT_EQUAL_HEX8((i % 2 == 0) ? PEL_OBS_CODE | PEL_OBS_PHASE : PEL_OBS_PHASE, rx.epoch.obs[1].flags);
+    }
+}
+
 static void codes_and_strengths_go_out_as_indicators(void)
 {
     static const struct {
@@ -341,8 +372,17 @@ static void the_encoder_refuses_what_no_message_holds(void)
     TEST_ASSERT_TRUE(rx.collecting);
     TEST_ASSERT_GREATER_THAN_size_t(0, pel_rtcm3_encode_1004(&epoch, 4095, false, frame, sizeof frame));
     TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_1004(&epoch, 4096, false, frame, sizeof frame));
+    epoch.obs[0].prn = epoch.obs[1].prn = 32; /* alone, the last is there */
+    epoch.n = 2;
+    TEST_ASSERT_EQUAL_INT(1, round_trip(false));
+    TEST_ASSERT_EQUAL_UINT8(32, rx.epoch.obs[0].prn);
+    epoch.n = PEL_MAX_OBS;
+    TEST_ASSERT_GREATER_THAN_size_t(0, pel_rtcm3_encode_1004(&epoch, 77, false, frame, sizeof frame));
     epoch.n = PEL_MAX_OBS + 1;
     TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_1004(&epoch, 77, false, frame, sizeof frame));
+    epoch.n = 2;
+    epoch.t_ns = 0;
+    TEST_ASSERT_GREATER_THAN_size_t(0, pel_rtcm3_encode_1004(&epoch, 77, false, frame, sizeof frame));
     support_epoch(&epoch, -1, PEL_SYS_GPS, 1);
     TEST_ASSERT_EQUAL_size_t(0, pel_rtcm3_encode_1004(&epoch, 77, false, frame, sizeof frame));
     support_epoch(&epoch, T0, PEL_SYS_GPS, 0);
@@ -366,6 +406,8 @@ int main(void)
     RUN_TEST(a_day_may_have_a_leap_second_and_no_more);
     RUN_TEST(more_of_the_same_epoch_may_follow);
     RUN_TEST(what_a_satellite_lacks_is_sent_as_none);
+    RUN_TEST(lock_times_are_rounded_down_to_their_steps);
+    RUN_TEST(a_code_of_l2_just_too_far_from_that_of_l1_is_sent_as_none);
     RUN_TEST(codes_and_strengths_go_out_as_indicators);
     RUN_TEST(phases_far_from_their_code_come_back_by_whole_blocks);
     RUN_TEST(the_encoder_refuses_what_no_message_holds);
