@@ -16,7 +16,7 @@
 #include "pelorus/math.h"
 #include "world.h"
 
-#define N_STARTS 4
+#define N_STARTS 5
 #define BEGUN    16 /* epochs that the converged navigators have used */
 
 static world_t world;
@@ -406,12 +406,14 @@ static void begin_all(void)
     memset(&seen, 0, sizeof seen);
     begin(PEL_PRESET_AUTO, true, 0);
     start[0] = nav;
-    const pel_preset_t preset[N_STARTS] = {PEL_PRESET_AUTO, PEL_PRESET_INS_RTK, PEL_PRESET_RTK, PEL_PRESET_INS_SINGLE};
+    const pel_preset_t preset[N_STARTS] = {PEL_PRESET_AUTO, PEL_PRESET_INS_RTK, PEL_PRESET_RTK, PEL_PRESET_INS_SINGLE,
+                                           PEL_PRESET_INS_FLOAT};
     for (int s = 1; s < N_STARTS; s++) {
         memset(&seen, 0, sizeof seen);
         begin(preset[s], true, BEGUN);
         /* The script means what it says only if the navigator is where it should be. */
         FUZZ_CHECK(nav.have_state && nav.ins == (preset[s] != PEL_PRESET_RTK));
+        FUZZ_CHECK(nav.local == (preset[s] == PEL_PRESET_INS_FLOAT));
         FUZZ_CHECK(preset[s] == PEL_PRESET_INS_SINGLE || nav.epoch_solution.fix == PEL_FIX_FIXED);
         start[s] = nav;
         if (preset[s] == PEL_PRESET_INS_RTK) { n_snapshot = pel_snapshot_encode(&nav, 1, snapshot, sizeof snapshot); }

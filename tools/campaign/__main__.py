@@ -53,7 +53,7 @@ def body(argv):
     p.add_argument("--only", default="", metavar="TEXT", help="cases whose system and name contain this")
     p.add_argument("--quick", action="store_true", help="the seeds of the tests; bounds hold for sigma, errors are held against it")
     p.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes (all cores)")
-    p.add_argument("--docs", metavar="FILE", help="write the table into this page")
+    p.add_argument("--docs", metavar="FILE", help="write the tables into this page, if all of them were made")
     args = p.parse_args(argv)
     with TABLE.open("rb") as f:
         table = tomllib.load(f)
@@ -64,7 +64,7 @@ def body(argv):
     tried = trials([r for r in table["trial"] if wanted(r)]) if not args.quick else []
     text = "\n".join([judge.words(case, f) for case, f in found] + ([judge.trial_words(tried)] if tried else []))
     print(text)
-    if args.docs:
+    if args.docs and not (args.only or args.quick):
         write(Path(args.docs), text)
     bad = [f"{case['system']} {case['name']}: {c}" for case, f in found for c in judge.complaints(case, f, args.quick)]
     print("\n".join(bad) if bad else f"{len(found)} cases within their bounds", file=sys.stderr)
