@@ -90,7 +90,7 @@ static void take_imu_byte(pel_imu_stream_t *stream, uint8_t byte)
     case PEL_IMU_NONE: return;
     case PEL_IMU_SAMPLE: pel_navigator_push_imu(&navigator, &stream->imu); break;
     case PEL_IMU_EVENT_MARK: pel_navigator_push_event(&navigator, stream->mark_t_ns, stream->mark_id); break;
-    case PEL_IMU_BARO: break; /* no preset of the navigator takes heights yet */
+    case PEL_IMU_BARO: pel_navigator_push_baro(&navigator, &stream->baro); break;
     }
     send_outputs();
 }

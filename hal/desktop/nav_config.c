@@ -191,6 +191,8 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     read_noise(c, "navigator.gnss.single_code_m", law, &cfg->noise_single.code_a_m, &cfg->noise_single.code_b_m);
     read_noise(c, "navigator.gnss.single_doppler_mps", law, &cfg->noise_single.doppler_a_mps,
                &cfg->noise_single.doppler_b_mps);
+    cfg->noise_single.phase_a_m = cfg->noise.phase_a_m; /* a phase is a phase */
+    cfg->noise_single.phase_b_m = cfg->noise.phase_b_m;
     const char *ionosphere = config_file_string(c, "navigator.gnss.ionosphere", "broadcast");
     cfg->no_ionosphere = strcmp(ionosphere, "none") == 0;
     if (!cfg->no_ionosphere && strcmp(ionosphere, "broadcast") != 0) {
@@ -199,6 +201,8 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     cfg->single_code_tau_s = within(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s, 0.0, 1e5);
     cfg->single_lasting_tau_s = within(c, "navigator.gnss.single_lasting_tau_s", cfg->single_lasting_tau_s, 0.0, 1e5);
     cfg->single_path_m_rts = within(c, "navigator.gnss.single_path_m_rts", cfg->single_path_m_rts, 0.0, 1.0);
+    cfg->single_rate_mps = within(c, "navigator.gnss.single_rate_mps", cfg->single_rate_mps, 0.0, 1.0);
+    cfg->single_phase_tau_s = within(c, "navigator.gnss.single_phase_tau_s", cfg->single_phase_tau_s, 0.0, 1e5);
     cfg->code_tau_s = within(c, "navigator.gnss.code_tau_s", cfg->code_tau_s, 0.0, 1e5);
     cfg->phase_tau_s = within(c, "navigator.gnss.phase_tau_s", cfg->phase_tau_s, 0.0, 1e5);
     cfg->float_code = config_file_bool(c, "navigator.gnss.float_code", cfg->float_code);
@@ -216,6 +220,36 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     cfg->slice_nodes = nodes(c, "navigator.integers.slice_nodes", 0, cfg->slice_nodes);
 }
 
+static void read_vehicle(config_file_t *c, pel_nav_config_t *cfg)
+{
+    static const char *const OBSERVED[] = {"code", "phase", "doppler"}; /* bits of PEL_OBS_ in this order */
+    static const char *const HEIGHTS[] = {"none", "constant", "barometer"};
+    pel_vehicle_config_t *v = &cfg->vehicle;
+    double place[3];
+    read_words(c, "navigator.gnss.observe", OBSERVED, 3, &cfg->observe);
+    v->place_known = config_file_numbers(c, "navigator.start.place", place, 3);
+    if (v->place_known) {
+        v->lat_rad = place[0] * PEL_DEG;
+        v->lon_rad = place[1] * PEL_DEG;
+        v->height_m = place[2];
+        if (!(pel_fabs(place[0]) <= 90.0 && pel_fabs(place[1]) <= 360.0 && pel_fabs(place[2]) < 1e5)) {
+            config_file_complain(c, "navigator.start.place",
+                                 "is latitude and longitude in degrees and a height in metres");
+        }
+    }
+    v->sd_place_m = within(c, "navigator.start.sd_place_m", v->sd_place_m, 1e-4, 1e3);
+    v->standing_s = within(c, "navigator.vehicle.standing_s", v->standing_s, 0.0, 1e5);
+    v->zero_velocity = config_file_bool(c, "navigator.vehicle.zero_velocity", v->zero_velocity);
+    v->wheeled = config_file_bool(c, "navigator.vehicle.wheeled", v->wheeled);
+    v->sd_height_m = within(c, "navigator.vehicle.height_sd_m", v->sd_height_m, 1e-3, 1e4);
+    v->tau_height_s = within(c, "navigator.vehicle.height_tau_s", v->tau_height_s, 1.0, 1e6);
+    const char *height = config_file_string(c, "navigator.vehicle.height", "none");
+    int k = 0;
+    while (k < 3 && strcmp(height, HEIGHTS[k]) != 0) { k++; }
+    if (k == 3) { config_file_complain(c, "navigator.vehicle.height", "is one of none, constant, barometer"); }
+    if (k < 3) { v->height = (pel_height_source_t)k; }
+}
+
 static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t cap)
 {
     read_general(c, cfg);
@@ -223,6 +257,7 @@ static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t c
     read_mount(c, cfg);
     read_start(c, cfg);
     read_gnss(c, cfg);
+    read_vehicle(c, cfg);
     /* The rest of a scenario file is the simulator's. */
     static const char *const OTHERS[] = {
         "name", "seed",   "duration_s", "truth_interval_s", "time",    "start",      "motion",

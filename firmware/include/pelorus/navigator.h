@@ -36,6 +36,24 @@ typedef enum {
     PEL_N_PRESETS = 7
 } pel_preset_t;
 
+/* Where the height comes from beside satellites. */
+typedef enum {
+    PEL_HEIGHT_NONE = 0,
+    PEL_HEIGHT_CONSTANT = 1, /* that of the start, or a map's if it is pushed as a barometer's */
+    PEL_HEIGHT_BARO = 2
+} pel_height_source_t;
+
+/* What is known of the vehicle without a satellite. */
+typedef struct {
+    bool place_known; /* the IMU begins here, at rest: needs no single-point solution */
+    double lat_rad, lon_rad, height_m, sd_place_m;
+    double standing_s;  /* it stands still for so long from the first IMU sample on */
+    bool zero_velocity; /* and later whenever IMU and state say so */
+    bool wheeled;       /* moves along its y axis alone; needs mount_known */
+    pel_height_source_t height;
+    double sd_height_m, tau_height_s; /* what the source is off by: first-order Markov */
+} pel_vehicle_config_t;
+
 typedef struct {
     pel_preset_t preset;
     pel_time_t output_period_ns; /* predicted solutions at whole multiples of this; 0: only at epochs */
@@ -55,12 +73,17 @@ typedef struct {
     double align_speed_mps; /* above this speed heading may be taken from the velocity's course */
     double warm_max_age_s;  /* a stored snapshot older than this is refused; 0: none is taken */
 
+    pel_vehicle_config_t vehicle;
+
+    uint8_t observe;                 /* PEL_OBS_CODE, _PHASE, _DOPPLER: what is used of an observation */
     pel_noise_config_t noise;        /* undifferenced observations; relative positioning */
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
     bool no_ionosphere;              /* apply no ionosphere model: simulations without one */
     double single_code_tau_s;        /* correlation time of a single receiver's code errors */
     double single_lasting_tau_s;     /* and of those that last as long as phases carry the position */
     double single_path_m_rts;        /* orbit, clock, atmosphere in its phases: random walk, m/sqrt(s) */
+    double single_rate_mps;          /* and a rate of its own, 1 sigma at the start; 0: none */
+    double single_phase_tau_s;       /* correlation time of its multipath; 0: white */
     double code_tau_s, phase_tau_s;  /* the same against a base: multipath. 0: white */
     bool float_code;                 /* PEL_PRESET_INS_FLOAT: codes are used beside phases */
     bool learn_noise;                /* fit the variances of codes and phases to what they leave over */
@@ -133,12 +156,14 @@ typedef struct {
     bool held;     /* N is an integer that was validated */
     bool half;     /* half a cycle is not resolved: good as a float, no integer */
     int16_t state; /* index of its filter state; -1: held, or the datum of its group */
+    int16_t rate;  /* of_rover: index of its rate's, -1: none */
+    bool slipped;  /* of_rover: begins anew where it is, its rate goes on */
     uint16_t epochs;
     uint8_t agreed;     /* searches in a row that gave the same integer */
     uint32_t candidate; /* that integer modulo 2^32 */
     pel_time_t agreed_since_ns;
-    double N; /* cycles, rover minus base or of the rover alone, on the group's datum */
-    double lambda_m;
+    double N; /* on the group's datum: cycles, rover minus base; of_rover: m */
+    double rate_mps;
     double u_e[3];       /* of_rover: line of sight when it began */
     pel_time_t since_ns; /* when a float one began */
 } pel_tracked_t;
@@ -213,6 +238,17 @@ typedef struct {
     bool beside_held;
     uint8_t entry[PEL_MAX_AMB]; /* index into track.entry[] */
 } pel_nav_chosen_t;
+
+/* Knowledge beside satellites (navigator/vehicle.c). Private. */
+typedef struct {
+    bool at_place;        /* still where the configuration says */
+    int16_t height_state; /* deviation of the height's source, -1: none */
+    double deviation_m;   /* its estimate, m */
+    double start_height_m;
+    pel_time_t updated_ns;
+    bool baro_waits;
+    pel_baro_t baro;
+} pel_vehicle_t;
 
 /* What an epoch waits for. Private. */
 typedef enum {
@@ -324,6 +360,8 @@ typedef struct pel_navigator_t {
     pel_hold_watch_t hold_watch;
     pel_nav_update_t update;
 
+    pel_vehicle_t vehicle;
+
     pel_warm_t warm; /* the snapshot of the life before */
 
     pel_pose_ring_t poses;
@@ -354,6 +392,9 @@ void pel_navigator_push_base(pel_navigator_t *nav, const pel_epoch_t *epoch);
 void pel_navigator_push_ephemeris(pel_navigator_t *nav, const pel_ephemeris_t *eph);
 void pel_navigator_push_klobuchar(pel_navigator_t *nav, const pel_klobuchar_t *k);
 void pel_navigator_push_station(pel_navigator_t *nav, const pel_station_t *s);
+
+/* A height (map or barometer), used once at the next epoch if the configuration says so. Bad values are refused and counted (imu_bad_value). */
+void pel_navigator_push_baro(pel_navigator_t *nav, const pel_baro_t *baro);
 
 /* An event mark at GPS time t; its exterior orientation comes out when the trajectory has passed it. */
 void pel_navigator_push_event(pel_navigator_t *nav, pel_time_t t_ns, uint32_t id);

@@ -49,6 +49,11 @@ void pel_nav_config_default(pel_nav_config_t *cfg)
     cfg->single_code_tau_s = 60.0;
     cfg->single_lasting_tau_s = 3600.0;
     cfg->single_path_m_rts = 0.002;
+    cfg->single_phase_tau_s = 1.0; /* of an antenna that moves */
+    cfg->observe = PEL_OBS_CODE | PEL_OBS_PHASE | PEL_OBS_DOPPLER;
+    cfg->vehicle.sd_place_m = 0.01;
+    cfg->vehicle.sd_height_m = 1.0;
+    cfg->vehicle.tau_height_s = 60.0;
     cfg->code_tau_s = 5.0;
     cfg->phase_tau_s = 10.0;
     cfg->float_code = true;

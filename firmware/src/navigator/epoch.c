@@ -124,6 +124,17 @@ static void look_for_slips(pel_navigator_t *nav, pel_epoch_t *rover, double gap_
     pel_nav_track_drop_slipped(nav, rover);
 }
 
+/* What the configuration leaves of the rows. */
+static void keep_observed(pel_navigator_t *nav)
+{
+    for (int i = 0; i < nav->sd.n; i++) {
+        pel_sd_t *sd = &nav->sd.sd[i];
+        sd->has_code = sd->has_code && (nav->cfg.observe & PEL_OBS_CODE) != 0;
+        sd->has_phase = sd->has_phase && (nav->cfg.observe & PEL_OBS_PHASE) != 0;
+        sd->has_rate = sd->has_rate && (nav->cfg.observe & PEL_OBS_DOPPLER) != 0;
+    }
+}
+
 /* Differences against the base where there is one, else of the rover alone. */
 static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *base, double r_ea_e[3], double v_ea_e[3])
 {
@@ -143,6 +154,7 @@ static bool form_rows(pel_navigator_t *nav, pel_epoch_t *rover, pel_epoch_t *bas
     if (relative != nav->relative && nav->last_epoch_ns != 0) {
         add_noise(nav, pel_model_index(&nav->model, PEL_BLOCK_POSITION), MODE_CHANGE_SD_M * MODE_CHANGE_SD_M);
     }
+    keep_observed(nav);
     nav->relative = relative;
     nav->update.phased = pel_nav_track_claim(nav, relative);
     pel_nav_noise_level_apply(nav);
@@ -295,6 +307,7 @@ static void use_rows(pel_navigator_t *nav)
     pel_nav_noise_level_begin(nav, inflated_by);
     pel_nav_hold_watch_age(nav, gap_s);
     pel_nav_update_rows(nav, u);
+    pel_nav_vehicle_rows(nav);
     if (!nav->relative) { pel_nav_rover_phase_note(nav); }
     pel_nav_close_loop(nav);
     for (int i = 0; u->phased && i < nav->sd.n; i++) {

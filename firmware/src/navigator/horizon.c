@@ -214,6 +214,7 @@ void pel_nav_close_loop(pel_navigator_t *nav)
     }
     if (nav->ins) { correct_sensors(nav); }
     pel_nav_track_close_loop(nav);
+    pel_nav_vehicle_close_loop(nav);
     for (int i = 0; i < nav->ud.n; i++) { x[i] = 0; }
 }
 
@@ -275,6 +276,7 @@ void pel_nav_take_increment(pel_navigator_t *nav, const pel_imu_t *body)
         pel_nav_align_increment(nav, body);
         return;
     }
+    pel_nav_vehicle_motion(nav, body);
     tick(nav, body);
     step(nav, body, &nav->now, &nav->coning_now);
     pel_nav_keep_pose(nav, body->alpha_ib_b);

@@ -12,6 +12,37 @@ static double zenith_sd(double a, double b)
     return pel_sqrt(a * a + b * b);
 }
 
+static void insert_sorted(double *x, int n, double v)
+{
+    int j = n;
+    for (; j > 0 && x[j - 1] > v; j--) { x[j] = x[j - 1]; }
+    x[j] = v;
+}
+
+/* The receiver's clock from codes alone where the place is known: the median, for too few satellites for a single-point solution. */
+static bool clock_at_place(pel_navigator_t *nav, const pel_epoch_t *rover, double *clk_m)
+{
+    double residual[PEL_MAX_SATS], place[3];
+    const double *r = nav->now.r_eb_e;
+    int n = 0;
+    if (!nav->ins) {
+        if (!pel_nav_vehicle_place(nav, place)) { return false; }
+        r = place;
+    }
+    if (pel_view_compute(rover, &nav->orbits, rover->t_ns, r, NULL, nav->cfg.mask_rad, NULL, &nav->view_rover) !=
+        PEL_OK) {
+        return false;
+    }
+    for (int i = 0; i < rover->n && n < PEL_MAX_SATS; i++) {
+        const pel_obs_t *o = &rover->obs[i];
+        const pel_sight_t *s = pel_view_find(&nav->view_rover, o->sys, o->prn);
+        if (s == NULL || !pel_obs_usable(o, PEL_OBS_CODE)) { continue; }
+        insert_sorted(residual, n++, o->P_m - pel_sight_code_m(s, o));
+    }
+    *clk_m = (n > 0) ? residual[n / 2] : 0.0;
+    return n > 0;
+}
+
 /* True receive time of the epoch. Single-point solution if there is one, else the receiver clock of the last one. */
 static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solved, pel_time_t *t_ns)
 {
@@ -36,9 +67,10 @@ static bool true_time(pel_navigator_t *nav, const pel_epoch_t *rover, bool *solv
     }
     nav->counters.epochs_spp_failed++;
     const double age_s = pel_time_diff_s(rover->t_ns, nav->spp.t_ns);
-    if (!nav->have_spp || age_s > STALE_CLOCK_S) { return false; }
-    const double clk_s = (nav->spp.clk_m + nav->spp.clk_rate_mps * age_s) / PEL_SPEED_OF_LIGHT;
-    *t_ns = rover->t_ns - (int64_t)pel_round(clk_s * 1e9);
+    double clk_m = nav->spp.clk_m + nav->spp.clk_rate_mps * age_s;
+    const bool stale = !nav->have_spp || age_s > STALE_CLOCK_S;
+    if (stale && !clock_at_place(nav, rover, &clk_m)) { return false; }
+    *t_ns = rover->t_ns - (int64_t)pel_round(clk_m / PEL_SPEED_OF_LIGHT * 1e9);
     return true;
 }
 
@@ -80,8 +112,9 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
         nav->counters.restarts++;
         pel_nav_stop(nav); /* also where no start follows: an INS without its factors must not go on telling */
     }
-    if (!solved) { return false; }
-    pel_nav_start_gnss(nav, &nav->spp);
+    pel_spp_t at_rest = {.t_ns = t_ns, .has_velocity = true};
+    if (!solved && !pel_nav_vehicle_place(nav, at_rest.r_ea_e)) { return false; }
+    pel_nav_start_gnss(nav, solved ? &nav->spp : &at_rest);
     return nav->have_state;
 }
 

@@ -13,6 +13,11 @@ static inline double pel_nav_along(const double P[3][3], const double g[3])
     return pel_dot3(g, Pg);
 }
 
+static inline void pel_nav_copy3(const double from[3], double to[3])
+{
+    for (int k = 0; k < 3; k++) { to[k] = from[k]; }
+}
+
 #define PEL_NAV_BIT(output) (UINT32_C(1) << (unsigned)(output))
 
 /* Longest stretch without IMU that the INS survives, s. */
@@ -257,6 +262,12 @@ bool pel_nav_track_claim(pel_navigator_t *nav, bool relative);
 /* Phases without an N get one, as a state beside the datum's. */
 void pel_nav_rover_phase_begin(pel_navigator_t *nav);
 
+/* Without a datum the last offset's phase becomes it. */
+void pel_nav_rover_phase_hand_over(pel_navigator_t *nav);
+
+/* A phase that slipped. With a rate it stays: a slip says nothing of it. */
+void pel_nav_rover_phase_slip(pel_navigator_t *nav, pel_tracked_t *t);
+
 /* What satellite clocks, orbits and atmosphere did to the offsets in the time since. */
 void pel_nav_rover_phase_walk(pel_navigator_t *nav);
 
@@ -269,6 +280,24 @@ void pel_nav_rover_phase_note(pel_navigator_t *nav);
 
 /* A single receiver's code errors are not independent from epoch to epoch: variances by their correlation times. */
 void pel_nav_rover_weigh_codes(pel_navigator_t *nav, double gap_s, bool phased);
+
+/* ---- vehicle.c: what is known without a satellite ---- */
+
+void pel_nav_vehicle_init(pel_navigator_t *nav);
+
+/* Where the IMU is before it has moved. False: not known. */
+bool pel_nav_vehicle_place(const pel_navigator_t *nav, double r_eb_e[3]);
+
+/* The INS begins: place and rest if they are known, the height's state behind the model's own. */
+pel_status_t pel_nav_vehicle_begin(pel_navigator_t *nav);
+
+/* One increment while the INS runs: does it stand? */
+void pel_nav_vehicle_motion(pel_navigator_t *nav, const pel_imu_t *body);
+void pel_nav_vehicle_baro(pel_navigator_t *nav, const pel_baro_t *baro);
+
+/* Rows of each epoch, after the satellites'. */
+void pel_nav_vehicle_rows(pel_navigator_t *nav);
+void pel_nav_vehicle_close_loop(pel_navigator_t *nav);
 
 /* ---- float_search.c ---- */
 

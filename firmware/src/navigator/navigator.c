@@ -33,6 +33,7 @@ void pel_navigator_init(pel_navigator_t *nav, const pel_nav_config_t *cfg)
     pel_nav_reset_alignment(nav);
     pel_nav_channels_init(nav);
     pel_nav_noise_level_init(nav);
+    pel_nav_vehicle_init(nav);
 }
 
 static bool uses_base(const pel_navigator_t *nav)
@@ -416,6 +417,18 @@ void pel_navigator_push_imu(pel_navigator_t *nav, const pel_imu_t *imu)
     pel_nav_check_state(nav);
     take_imu(nav, imu);
     pel_nav_seal_state(nav);
+}
+
+void pel_navigator_push_baro(pel_navigator_t *nav, const pel_baro_t *baro)
+{
+    if (!can_go_on(nav)) { return; }
+    const bool sane =
+        time_is_possible(baro->t_ns) && pel_fabs(baro->height_m) < 1e5 && baro->sd_m > 0.0f && baro->sd_m < 1e4f;
+    if (!sane) {
+        nav->counters.imu_bad_value++;
+        return;
+    }
+    pel_nav_vehicle_baro(nav, baro);
 }
 
 /* ---- outputs -------------------------------------------------------------------------------------------------------- */

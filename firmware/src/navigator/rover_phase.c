@@ -10,7 +10,7 @@
 
 #define BASE_RETURNS_NS (120 * PEL_NS_PER_S) /* numbers against a base that is silent are kept so long */
 #define WANDER_EVERY_S  0.4
-#define PHASE_TAU_S     1.0 /* multipath of an antenna that moves: structure functions in docs/NAVIGATOR.md */
+#define RATE_WALK       (1.0 / 45.0) /* of a rate, in a second, of its 1 sigma: another one in half an hour */
 #define FEWEST_ROWS     3
 #define CARRIED_S       1.0
 #define TURNED_RAD      0.05  /* six minutes of a satellite's way */
@@ -18,6 +18,8 @@
 
 bool pel_nav_track_claim(pel_navigator_t *nav, bool relative)
 {
+    if (!relative && (nav->cfg.observe & PEL_OBS_PHASE) == 0) { return false; }
+    if (!relative && !nav->ins && (nav->cfg.observe & PEL_OBS_CODE) == 0) { return false; } /* nothing else holds it */
     if (!relative && !(nav->last_imu_ns != 0 && pel_nav_preset(nav->cfg.preset)->rover_phase)) { return false; }
     if (nav->track.n > 0 && nav->track.of_rover == relative) {
         const bool base_may_return =
@@ -33,7 +35,7 @@ bool pel_nav_track_claim(pel_navigator_t *nav, bool relative)
 
 static bool is_usable(const pel_sd_t *sd)
 {
-    return sd->has_phase && sd->has_code;
+    return sd->has_phase;
 }
 
 static bool has_phase_of(const pel_navigator_t *nav, const pel_sd_t *sd)
@@ -54,7 +56,7 @@ static const pel_sd_t *reference(pel_navigator_t *nav)
         if (!is_usable(sd)) { continue; }
         const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
         if (t != NULL && t->state < 0) { return sd; }
-        if (t != NULL) { ref = sd; }
+        if (t != NULL && !t->slipped) { ref = sd; }
         if (highest == NULL || sd->el_rad > highest->el_rad) { highest = sd; }
     }
     if (ref != NULL || highest == NULL || nav->track.n > 0) { return ref; }
@@ -63,18 +65,94 @@ static const pel_sd_t *reference(pel_navigator_t *nav)
 }
 
 /* It begins where its row says nothing: what its code knows is told by the code's row. */
+static void begin_at(pel_tracked_t *t, const pel_sd_t *sd, const pel_sd_t *ref, double N_ref)
+{
+    t->N = sd->phase_m - ref->phase_m + N_ref;
+    t->half = sd->half;
+    pel_nav_copy3(sd->u_e, t->u_e);
+}
+
+static bool add_rate(pel_navigator_t *nav, pel_tracked_t *t)
+{
+    const double sd_mps = nav->cfg.single_rate_mps;
+    if (!(sd_mps > 0.0)) { return true; }
+    if (pel_ud_insert(&nav->ud, nav->ud.n, (pel_real)(sd_mps * sd_mps)) != PEL_OK) { return false; }
+    t->rate = (int16_t)(nav->ud.n - 1);
+    nav->model.n = nav->ud.n;
+    return true;
+}
+
 static void begin_float(pel_navigator_t *nav, const pel_sd_t *sd, const pel_sd_t *ref)
 {
     const pel_tracked_t *t_ref = pel_nav_track_find(nav, ref->sys, ref->prn, ref->carrier);
-    const double N_ref_m = (t_ref != NULL) ? ref->lambda_m * t_ref->N : 0.0;
+    const double N_ref = (t_ref != NULL) ? t_ref->N : 0.0;
     pel_tracked_t *t = pel_nav_track_get_or_add(nav, sd);
     if (t == NULL) { return; }
-    t->N = (sd->phase_m - ref->phase_m + N_ref_m) / sd->lambda_m;
-    t->half = sd->half;
-    t->since_ns = nav->at_horizon.t_ns;
-    if (!pel_nav_track_add_state(nav, t, FLOAT_SD_M / sd->lambda_m)) {
+    begin_at(t, sd, ref, N_ref);
+    if (!pel_nav_track_add_state(nav, t, FLOAT_SD_M) || !add_rate(nav, t)) {
         pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry));
     }
+}
+
+/* Those that slipped, where they are. */
+static void restart_slipped(pel_navigator_t *nav, const pel_sd_t *ref)
+{
+    const pel_tracked_t *t_ref = pel_nav_track_find(nav, ref->sys, ref->prn, ref->carrier);
+    for (int i = 0; i < nav->sd.n; i++) {
+        const pel_sd_t *sd = &nav->sd.sd[i];
+        pel_tracked_t *t = is_usable(sd) ? pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
+        if (t == NULL || t_ref == NULL || !t->slipped || t->state < 0) { continue; }
+        begin_at(t, sd, ref, t_ref->N);
+        t->slipped = pel_ud_set_variance(&nav->ud, t->state, (pel_real)(FLOAT_SD_M * FLOAT_SD_M)) != PEL_OK;
+    }
+}
+
+/* x_i := x_i - x_heir for all others costs nothing while they stand before it. */
+static pel_tracked_t *make_heir(pel_navigator_t *nav)
+{
+    pel_tracked_t *heir = NULL;
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        if (t->state >= 0 && (heir == NULL || t->state > heir->state)) { heir = t; }
+    }
+    for (int i = 0; heir != NULL && i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        if (t == heir || t->state < 0) { continue; }
+        (void)pel_ud_combine(&nav->ud, t->state, heir->state, PEL_R(-1.0));
+        t->N -= heir->N;
+        if (t->rate < 0 || heir->rate < 0) { continue; }
+        (void)pel_ud_combine(&nav->ud, t->rate, heir->rate, PEL_R(-1.0));
+        t->rate_mps -= heir->rate_mps;
+    }
+    return heir;
+}
+
+void pel_nav_rover_phase_hand_over(pel_navigator_t *nav)
+{
+    for (int i = 0; i < nav->track.n; i++) {
+        if (nav->track.entry[i].state < 0) { return; }
+    }
+    pel_tracked_t *heir = make_heir(nav);
+    if (heir == NULL) { return; }
+    pel_nav_track_remove_state(nav, heir);
+    heir->N = heir->rate_mps = 0.0;
+}
+
+/* The datum's rate is known against the others': it changes places with its heir. */
+void pel_nav_rover_phase_slip(pel_navigator_t *nav, pel_tracked_t *t)
+{
+    t->slipped = true;
+    if (t->state >= 0) { return; }
+    pel_tracked_t *heir = make_heir(nav);
+    if (heir == NULL) { return; }
+    (void)pel_ud_negate(&nav->ud, heir->state);
+    if (heir->rate >= 0) { (void)pel_ud_negate(&nav->ud, heir->rate); }
+    t->state = heir->state;
+    t->rate = heir->rate;
+    t->N = -heir->N;
+    t->rate_mps = -heir->rate_mps;
+    heir->state = heir->rate = -1;
+    heir->N = heir->rate_mps = 0.0;
 }
 
 /* A row's line of sight is that of its phase's beginning (pel_nav_rover_phase_row): one that has turned away is begun anew, one an epoch
@@ -101,6 +179,7 @@ void pel_nav_rover_phase_begin(pel_navigator_t *nav)
     renew_turned(nav);
     pel_nav_track_make_room(nav);
     const pel_sd_t *ref = reference(nav);
+    if (ref != NULL) { restart_slipped(nav, ref); }
     for (int pass = 0; pass < 2 && ref != NULL; pass++) {
         for (int i = 0; i < nav->sd.n; i++) {
             const pel_sd_t *sd = &nav->sd.sd[i];
@@ -121,7 +200,7 @@ static const pel_sd_t *seen(const pel_navigator_t *nav, const pel_tracked_t *t)
     return NULL;
 }
 
-/* Its own walk moves an offset alone, that of the datum all of them. Var: m^2. */
+/* Its own walk moves an offset alone, that of the datum all of them. var: m^2. */
 static void walk(pel_navigator_t *nav, const pel_tracked_t *moved, double var)
 {
     pel_real c[PEL_MAX_STATES] = {0};
@@ -129,26 +208,40 @@ static void walk(pel_navigator_t *nav, const pel_tracked_t *moved, double var)
     for (int i = 0; i < nav->track.n; i++) {
         const pel_tracked_t *t = &nav->track.entry[i];
         if (t->state < 0 || (t != moved && moved->state >= 0)) { continue; }
-        c[t->state] = (pel_real)(1.0 / t->lambda_m);
+        c[t->state] = PEL_R(1.0);
         last = (t->state > last) ? t->state : last;
     }
     if (last >= 0) { pel_ud_rank_one(&nav->ud, last + 1, c, (pel_real)var); }
 }
 
-void pel_nav_rover_phase_walk(pel_navigator_t *nav)
+static void add_walks(pel_navigator_t *nav, double dt_s)
 {
-    const double dt_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->track.wandered_ns);
-    const bool first = nav->track.wandered_ns == 0 || dt_s < 0.0;
-    if (!first && dt_s < WANDER_EVERY_S) { return; }
-    nav->track.wandered_ns = nav->at_horizon.t_ns;
-    if (first) { return; }
-    const double path = nav->cfg.single_path_m_rts * nav->cfg.single_path_m_rts * dt_s;
-    const double share = pel_min(2.0 * dt_s / PHASE_TAU_S, 2.0);
+    const pel_nav_config_t *cfg = &nav->cfg;
+    const double path = cfg->single_path_m_rts * cfg->single_path_m_rts * dt_s;
+    const double rate = cfg->single_rate_mps * RATE_WALK * cfg->single_rate_mps * RATE_WALK * dt_s;
+    const double share = (cfg->single_phase_tau_s > 0.0) ? pel_min(2.0 * dt_s / cfg->single_phase_tau_s, 2.0) : 0.0;
     for (int i = 0; i < nav->track.n; i++) {
         const pel_tracked_t *t = &nav->track.entry[i];
         const pel_sd_t *sd = seen(nav, t);
         walk(nav, t, path + ((sd != NULL) ? share * sd->var_phase : 0.0));
+        if (t->rate >= 0) { pel_ud_add_noise(&nav->ud, t->rate, (pel_real)rate); }
     }
+}
+
+void pel_nav_rover_phase_walk(pel_navigator_t *nav)
+{
+    const double dt_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->epoch_before_ns);
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        if (t->rate < 0) { continue; }
+        (void)pel_ud_combine(&nav->ud, t->state, t->rate, (pel_real)dt_s);
+        t->N += dt_s * t->rate_mps;
+    }
+    const double since_s = pel_time_diff_s(nav->at_horizon.t_ns, nav->track.wandered_ns);
+    const bool first = nav->track.wandered_ns == 0 || since_s < 0.0;
+    if (!first && since_s < WANDER_EVERY_S) { return; }
+    nav->track.wandered_ns = nav->at_horizon.t_ns;
+    if (!first) { add_walks(nav, since_s); }
 }
 
 /* With lines of sight as they were when the phases began. That they turn would tell the place itself, were the paths known to a millimetre

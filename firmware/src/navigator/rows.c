@@ -155,9 +155,10 @@ static void refuse_coarse(pel_navigator_t *nav, update_t *u, int first, int last
 static double make_row(pel_navigator_t *nav, const update_t *u, int i, int pivot, kind_t kind, pel_row_t *row)
 {
     const pel_sd_t *sd = &nav->sd.sd[i], *p = &nav->sd.sd[pivot];
+    const double unit_i = nav->relative ? sd->lambda_m : 1.0, unit_p = nav->relative ? p->lambda_m : 1.0; /* of N */
     double dd = value(sd, kind) - value(p, kind);
     if (kind == PHASE) {
-        dd -= sd->lambda_m * u->phases.N[i] - p->lambda_m * u->phases.N[pivot];
+        dd -= unit_i * u->phases.N[i] - unit_p * u->phases.N[pivot];
         if (nav->relative) { dd -= pel_nav_channels_offset_m(nav, sd, p); }
     }
     if (kind == RATE) {
@@ -169,8 +170,8 @@ static double make_row(pel_navigator_t *nav, const update_t *u, int i, int pivot
     } else {
         pel_observe_range(&u->ant, sd, p, dd, row);
     }
-    if (kind == PHASE && u->phases.state[i] >= 0) { row->h[u->phases.state[i]] = (pel_real)sd->lambda_m; }
-    if (kind == PHASE && u->phases.state[pivot] >= 0) { row->h[u->phases.state[pivot]] = (pel_real)-p->lambda_m; }
+    if (kind == PHASE && u->phases.state[i] >= 0) { row->h[u->phases.state[i]] = (pel_real)unit_i; }
+    if (kind == PHASE && u->phases.state[pivot] >= 0) { row->h[u->phases.state[pivot]] = (pel_real)-unit_p; }
     if (kind == PHASE && nav->relative) { pel_nav_channels_put(nav, sd, p, row); }
     return dd;
 }

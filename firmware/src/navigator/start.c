@@ -248,6 +248,7 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
     nav->attitude_given = false; /* that of the first increment: good for one start */
     pel_mat3_copy(attitude->C_b_e, nav->at_horizon.C_b_e);
     if (status == PEL_OK) { status = antenna_to_imu(nav); }
+    if (status == PEL_OK) { status = pel_nav_vehicle_begin(nav); }
     if (status != PEL_OK) {
         nav->counters.numeric_faults++;
         nav->ins = nav->have_state = false;

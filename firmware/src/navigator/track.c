@@ -60,17 +60,28 @@ bool pel_nav_track_add_state(pel_navigator_t *nav, pel_tracked_t *t, double sd_c
     return true;
 }
 
+/* State `removed` of the filter goes: those behind it move up. */
+static void remove_state(pel_navigator_t *nav, int16_t removed)
+{
+    if (removed < 0) { return; }
+    (void)pel_ud_remove(&nav->ud, removed);
+    nav->model.n = nav->ud.n;
+    for (int i = 0; i < nav->track.n; i++) {
+        pel_tracked_t *t = &nav->track.entry[i];
+        t->state = (int16_t)(t->state - (t->state > removed));
+        t->rate = (int16_t)(t->rate - (t->rate > removed));
+    }
+    pel_nav_channels_shift(nav, removed);
+}
+
 void pel_nav_track_remove_state(pel_navigator_t *nav, pel_tracked_t *t)
 {
+    const int16_t rate = t->rate;
+    t->rate = -1;
+    remove_state(nav, rate); /* behind its offset */
     const int16_t state = t->state;
-    if (state < 0) { return; }
-    (void)pel_ud_remove(&nav->ud, state);
-    nav->model.n = nav->ud.n;
     t->state = -1;
-    for (int i = 0; i < nav->track.n; i++) {
-        if (nav->track.entry[i].state > state) { nav->track.entry[i].state--; }
-    }
-    pel_nav_channels_shift(nav, state);
+    remove_state(nav, state);
 }
 
 void pel_nav_track_drop_entry(pel_navigator_t *nav, int i)
@@ -80,31 +91,10 @@ void pel_nav_track_drop_entry(pel_navigator_t *nav, int i)
     if (i < nav->track.n) { nav->track.entry[i] = nav->track.entry[nav->track.n]; }
 }
 
-/* Without a datum the last state becomes that of the others: x_i := x_i - x_last, which costs nothing while they stand before it. */
-static void hand_over(pel_navigator_t *nav)
-{
-    pel_tracked_t *heir = NULL;
-    for (int i = 0; i < nav->track.n; i++) {
-        pel_tracked_t *t = &nav->track.entry[i];
-        if (t->state < 0) { return; }
-        if (heir == NULL || t->state > heir->state) { heir = t; }
-    }
-    if (heir == NULL) { return; }
-    for (int i = 0; i < nav->track.n; i++) {
-        pel_tracked_t *t = &nav->track.entry[i];
-        const double ratio = heir->lambda_m / t->lambda_m;
-        if (t == heir) { continue; }
-        (void)pel_ud_combine(&nav->ud, t->state, heir->state, (pel_real)-ratio);
-        t->N -= ratio * heir->N;
-    }
-    heir->N = 0.0;
-    pel_nav_track_remove_state(nav, heir);
-}
-
 /* Float ambiguities of a group without a datum refer to nothing. */
 static void drop_orphans(pel_navigator_t *nav)
 {
-    if (nav->track.of_rover) { hand_over(nav); }
+    if (nav->track.of_rover) { pel_nav_rover_phase_hand_over(nav); }
     for (int i = nav->track.n - 1; i >= 0; i--) {
         const pel_tracked_t *t = &nav->track.entry[i];
         if (t->state >= 0 && pel_nav_track_datum(nav, t->sys, t->carrier) == NULL) { pel_nav_track_drop_entry(nav, i); }
@@ -125,21 +115,31 @@ void pel_nav_track_forget(pel_navigator_t *nav)
     pel_nav_channels_forget(nav);
 }
 
+/* Nothing is known of its number any more. */
+static void slip(pel_navigator_t *nav, pel_tracked_t *t)
+{
+    if (nav->track.of_rover && nav->cfg.single_rate_mps > 0.0) {
+        pel_nav_rover_phase_slip(nav, t);
+    } else {
+        pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry));
+    }
+}
+
 void pel_nav_track_drop_slipped(pel_navigator_t *nav, const pel_epoch_t *e)
 {
     for (int k = 0; k < e->n; k++) {
         const pel_obs_t *o = &e->obs[k];
         if ((o->flags & PEL_OBS_SLIP) == 0) { continue; }
-        const pel_tracked_t *t = pel_nav_track_find(nav, o->sys, o->prn, o->carrier);
-        if (t != NULL) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
+        pel_tracked_t *t = pel_nav_track_find(nav, o->sys, o->prn, o->carrier);
+        if (t != NULL) { slip(nav, t); }
     }
     drop_orphans(nav);
 }
 
 void pel_nav_track_drop(pel_navigator_t *nav, const pel_sd_t *sd)
 {
-    const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
-    if (t != NULL) { pel_nav_track_drop_entry(nav, (int)(t - nav->track.entry)); }
+    pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
+    if (t != NULL) { slip(nav, t); }
     drop_orphans(nav);
 }
 
@@ -174,7 +174,7 @@ pel_tracked_t *pel_nav_track_get_or_add(pel_navigator_t *nav, const pel_sd_t *sd
                          .prn = sd->prn,
                          .carrier = sd->carrier,
                          .state = -1,
-                         .lambda_m = sd->lambda_m,
+                         .rate = -1,
                          .u_e = {sd->u_e[0], sd->u_e[1], sd->u_e[2]}};
     return t;
 }
@@ -365,7 +365,7 @@ void pel_nav_track_lookup(pel_navigator_t *nav, pel_nav_phases_t *out)
 {
     for (int i = 0; i < nav->sd.n; i++) {
         const pel_sd_t *sd = &nav->sd.sd[i];
-        const bool ready = phase_is_usable(sd) && (nav->track.of_rover || pel_nav_channels_ready(nav, sd));
+        const bool ready = nav->track.of_rover ? sd->has_phase : phase_is_usable(sd) && pel_nav_channels_ready(nav, sd);
         pel_tracked_t *t = ready ? pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier) : NULL;
         out->known[i] = t != NULL;
         out->held[i] = t != NULL && t->held;
@@ -380,6 +380,7 @@ void pel_nav_track_close_loop(pel_navigator_t *nav)
     for (int i = 0; i < nav->track.n; i++) {
         pel_tracked_t *t = &nav->track.entry[i];
         if (t->state >= 0) { t->N -= (double)nav->ud.x[t->state]; }
+        if (t->rate >= 0) { t->rate_mps -= (double)nav->ud.x[t->rate]; }
     }
     pel_nav_channels_close_loop(nav);
 }
