@@ -80,7 +80,7 @@ def test_walk_with_phases_knows_how_far_it_came(rows):
     assert f["moved"]["1"]["n"] > 200 and f["moved"]["10"]["n"] > 180
     assert max(f["moved"]["1"]["ned_m"][:2]) <= 0.02
     assert max(f["moved"]["10"]["ned_m"][:2]) <= 0.06 and f["moved"]["10"]["ned_m"][2] <= 0.12
-    assert f["h_rms_m"] < 0.5 * rows["walk-imu-ubx-2025"]["ours"]["h_rms_m"]
+    assert f["h_rms_m"] < rows["walk-imu-ubx-2025"]["ours"]["h_rms_m"]
     assert max(f["v_rms_mps"]) < max(rows["walk-imu-ubx-2025"]["ours"]["v_rms_mps"])
 
 

@@ -49,10 +49,17 @@ def measure(run, case):
                "first_fix_s": float(t[fixed[0]]) if fixed.size else np.inf,
                "nis": float(run.sol["nis"][epoch].astype(float).sum()), "nis_dof": int(run.sol["nis_dof"][epoch].astype(int).sum())}
     last = np.flatnonzero(inside)[-1]
+    figures["end_h_m"], figures["end_nees_h"] = float(errors.horizontal[last]), horizontal_nees(run.sol[last], errors.err["pos"][last])
     for name, group in GROUPS.items():
         figures[name] = (np.mean(errors.err[group][inside] ** 2, 0)[ENU], np.mean(errors.sd[group][inside] ** 2, 0)[ENU])
         figures[f"{name}_nees"] = float(stats.nees(run.sol, errors, group)[last])
     return figures
+
+
+def horizontal_nees(solution, ned_m):
+    """Half of it: two components, one expected."""
+    c = solution["cov_r_ned"].astype(float)
+    return float(ned_m[:2] @ np.linalg.solve([[c[0], c[1]], [c[1], c[3]]], ned_m[:2]) / 2.0)
 
 
 def pool(flights):
@@ -61,6 +68,8 @@ def pool(flights):
     for name in ("epochs", "fixed", "wrong"):
         out[name] = sum(f[name] for f in flights)
     out["nis"] = sum(f["nis"] for f in flights) / max(1, sum(f["nis_dof"] for f in flights))
+    out["end_h_m"] = float(np.sqrt(np.mean([f["end_h_m"] ** 2 for f in flights])))
+    out["end_nees_h"] = float(np.mean([f["end_nees_h"] for f in flights]))
     for name, factor in FACTOR.items():
         rms, sigma = (np.sqrt(np.mean([f[name][k] for f in flights], 0)) * factor for k in (0, 1))
         out[name] = {"rms": rms, "sigma": sigma, "nees": float(np.mean([f[f"{name}_nees"] for f in flights]))}
