@@ -86,7 +86,7 @@ static bool track_is_sound(const pel_navigator_t *nav)
 {
     for (int i = 0; i < nav->track.n; i++) {
         const pel_tracked_t *t = &nav->track.entry[i];
-        if (t->state < -1 || (t->state >= 0 && t->state >= nav->ud.n) || t->sys >= PEL_N_SYS ||
+        if (t->state < -1 || t->state >= nav->ud.n || t->rate < -1 || t->rate >= nav->ud.n || t->sys >= PEL_N_SYS ||
             t->carrier >= PEL_N_CARRIER) {
             return false;
         }
@@ -95,7 +95,7 @@ static bool track_is_sound(const pel_navigator_t *nav)
         const int state = nav->track.channels[i].state;
         if (state < -1 || state >= nav->ud.n) { return false; }
     }
-    return true;
+    return nav->vehicle.height_state >= -1 && nav->vehicle.height_state < nav->ud.n;
 }
 
 /* A search that goes on in the next push. */
