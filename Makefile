@@ -34,7 +34,7 @@ promise: all ## wrong fixes of simulated epochs beside the promised rate: table,
 	@$(PYTHON) -m promise $(ARGS)
 
 replay: all ## replay real recordings, one table
-	@cmake/bootstrap.sh test && $(PYTHON) -m replay $(ARGS)
+	@cmake/bootstrap.sh test && $(CMAKE_HOST) --target peer_integers && PATH="$(CURDIR)/build/host/tests/peers:$$PATH" && $(PYTHON) -m replay $(ARGS)
 
 campaign: all ## the published systems over seeds: paper, bound and ours; writes the tables of docs/ACCURACY.md
 	@cmake/bootstrap.sh test && $(CMAKE_HOST) --target presets-test_s3 && $(PYTHON) -m campaign --docs docs/ACCURACY.md $(ARGS)

@@ -16,6 +16,8 @@ def program():
     path = os.environ.get("PELORUS_BIN")
     found = os.path.join(path, "pelorus-promise") if path else shutil.which("pelorus-promise")
     if not found or not os.path.exists(found):
+        if os.environ.get("PELORUS_REQUIRE_DATA") == "1":
+            pytest.fail("pelorus-promise is not built")
         pytest.skip("pelorus-promise is not built")
     return found
 

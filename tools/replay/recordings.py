@@ -11,7 +11,7 @@ from typing import Callable
 import numpy as np
 
 from pelorus_tools import earth, gpstime, truth
-from replay import rtklib, tracks
+from replay import car, rtklib, tracks
 
 
 @dataclass
@@ -25,6 +25,7 @@ class Recording:
     config: str = ""               # [navigator] table
     sil: list = field(default_factory=list)
     refix: bool = False            # also run with 10 s removed in the middle
+    gaps: list = field(default_factory=list)  # runs with these (start, length) removed, s; `known` then gets [(track, gaps of the run)]
 
 L1_ONLY = '[navigator]\ncarriers = ["L1"]\n'
 
@@ -291,6 +292,11 @@ ALL = [
               ["--outage", "{:g},{:g}".format(*WALK_OUTAGE)]),
     Recording("walk, 20 s removed, without IMU", "walk-imu-ubx-2025", "single receiver", WALK_CAPTURE[:2], walk_gap, None, WALK_GNSS,
               ["--outage", "{:g},{:g}".format(*WALK_OUTAGE)]),
+    Recording("car-imu-codedoppler-2020", "car-imu-codedoppler-2020", "single receiver + IMU, car in a city", car.CAPTURE_IMU, car.known, car.peer,
+              car.CONFIG.format("ins-single")),
+    Recording("car, without IMU", "car-imu-codedoppler-2020", "single receiver", car.CAPTURE, car.known, None, car.CONFIG.format("single")),
+    *(Recording(f"car, {length} s removed", "car-imu-codedoppler-2020", "single receiver + IMU", car.CAPTURE_IMU, car.gaps_known, None,
+                car.CONFIG.format("ins-single"), gaps=car.gap_batches(length)) for length in (10, 30, 60)),
     Recording("attitude-static-099m-2024", "attitude-static-099m-2024", "RTK, 0.99 m", ATTITUDE_CAPTURE, attitude_known, attitude_peer(2), refix=True),
     Recording("attitude, L1", "attitude-static-099m-2024", "RTK L1, 0.99 m", ATTITUDE_CAPTURE, attitude_known, attitude_peer(1), L1_ONLY, refix=True),
     Recording("fujisawa-car-2021265", "fujisawa-car-2021265", "RTK, car, 5 km", FUJISAWA_CAPTURE, fujisawa_known, fujisawa_peer(3, "G,E,J"), refix=True),

@@ -18,7 +18,8 @@ class Track:
     v_n: np.ndarray      # north, east, down, m/s; NaN if not given
     fixed: np.ndarray    # integers fixed
     n_sat: np.ndarray
-    ins: np.ndarray = None  # an IMU takes part
+    heading: np.ndarray  # rad; NaN if not given
+    ins: np.ndarray      # an IMU takes part
 
 
 def ours(out_log, at_epochs=True):
@@ -30,7 +31,7 @@ def ours(out_log, at_epochs=True):
     return Track(np.array([int(a) * gpstime.NS + int(b) for a, b in t], np.int64),
                  earth.llh_to_ecef(np.radians(col("lat_deg")), np.radians(col("lon_deg")), col("height_m")),
                  np.stack([col(f"vel_{a}_mps") for a in "ned"], -1), np.array([r["status"].startswith("fixed") for r in rows], bool),
-                 col("n_sat"), np.array([r["status"].endswith("+ins") for r in rows], bool))
+                 col("n_sat"), np.radians(col("heading_deg")), np.array([r["status"].endswith("+ins") for r in rows], bool))
 
 
 def peers(pos_file):
@@ -39,16 +40,17 @@ def peers(pos_file):
     v_n = np.full_like(t.r_e, np.nan)
     if t.v_e is not None:
         v_n = earth.rotate(earth.C_e_n(*earth.ecef_to_llh(t.r_e)[:2]), t.v_e)
-    return Track(t.t_ns, t.r_e, v_n, t.quality == 1, np.full(t.t_ns.size, np.nan))
+    nothing = np.full(t.t_ns.size, np.nan)
+    return Track(t.t_ns, t.r_e, v_n, t.quality == 1, nothing, nothing, np.zeros(t.t_ns.size, bool))
 
 
 def common(track, other, within_ns=50_000_000):
     """The epochs of a track that the other one has as well (clocks of receivers may be off by milliseconds)."""
     if not other.t_ns.size:
-        return Track(*(x[:0] for x in (track.t_ns, track.r_e, track.v_n, track.fixed, track.n_sat)))
+        return Track(*(x[:0] for x in vars(track).values()))
     k = np.clip(np.searchsorted(other.t_ns, track.t_ns), 1, max(other.t_ns.size - 1, 1))
     near = np.minimum(np.abs(other.t_ns[k - 1] - track.t_ns), np.abs(other.t_ns[np.minimum(k, other.t_ns.size - 1)] - track.t_ns)) < within_ns
-    return Track(track.t_ns[near], track.r_e[near], track.v_n[near], track.fixed[near], track.n_sat[near])
+    return Track(*(x[near] for x in vars(track).values()))
 
 
 def enu(r_e, origin):
