@@ -137,6 +137,7 @@ static void read_mount(config_file_t *c, pel_nav_config_t *cfg)
     double rpy_deg[3] = {0.0, 0.0, 0.0}, boresight_deg[3] = {0.0, 0.0, 0.0};
     (void)config_file_numbers(c, "navigator.mount.lever_arm_m", cfg->lever_ba_b, 3);
     cfg->mount_known = config_file_has(c, "navigator.mount.yaw_deg");
+    cfg->wheels = config_file_bool(c, "navigator.mount.wheels", cfg->wheels);
     rpy_deg[0] = config_file_number(c, "navigator.mount.roll_deg", 0.0);
     rpy_deg[1] = config_file_number(c, "navigator.mount.pitch_deg", 0.0);
     rpy_deg[2] = config_file_number(c, "navigator.mount.yaw_deg", 0.0);

@@ -28,6 +28,7 @@ CONFIG = """[navigator]
 preset = "{}"
 [navigator.mount]
 yaw_deg = 0
+wheels = true
 """
 
 

@@ -66,6 +66,7 @@ typedef struct {
     pel_imu_model_t imu;
     bool mount_known;     /* the body's y axis points forward: heading may be taken from the course */
     double C_s_b[3][3];   /* mounting: sensor axes to body axes */
+    bool wheels;          /* the vehicle goes where it points; where the gyros are quiet it stands */
     double lever_ba_b[3]; /* IMU to antenna, m: right, forward, up */
     bool have_attitude;   /* attitude below is valid at the first IMU sample */
     double roll_rad, pitch_rad, heading_rad;
@@ -145,6 +146,17 @@ typedef struct {
     double dv_since[3], v_since_e[3];
     double n, a[2], b[2], aa, bb, dot, cross; /* weighted sums of the mean accelerations of both series */
 } pel_yaw_t;
+
+/* What a vehicle on wheels is known to do (navigator/wheels.c). Private. */
+typedef struct {
+    double d_b[3];                               /* direction of travel on the body */
+    double direction_s;                          /* straight driving that it is the mean of */
+    double sum[3], sum_sq[3], n_samples, span_s; /* angular rates of the window under way */
+    double sum_f[3], f_b[3];                     /* specific force of it, and mean of the last */
+    double rest_var, rests; /* variance at rest, of three axes together, and windows it is the mean of */
+    bool quiet;
+    pel_time_t quiet_since_ns, judged_ns, updated_ns;
+} pel_wheels_t;
 
 /* Phases followed from epoch to epoch (navigator/track.c). Private. */
 #ifndef PEL_MAX_TRACKED
@@ -330,6 +342,7 @@ typedef struct pel_navigator_t {
     double omega_ib_b[3]; /* at the horizon, smoothed over 20 ms, for lever-arm rates */
     pel_align_t align;
     pel_yaw_t yaw;
+    pel_wheels_t wheels;
     double C_rel[3][3]; /* body at the newest increment to body at the first, before the INS runs */
     pel_time_t first_imu_ns;
     bool have_spp;

@@ -251,6 +251,7 @@ static void finish(pel_navigator_t *nav, update_t *u)
     out->n_fixed = (uint8_t)u->held_used;
     out->n_sat = (uint8_t)pel_nav_satellites_used(nav);
     pel_nav_note_used(nav);
+    pel_nav_wheels_epoch(nav);
     pel_nav_try_start_ins(nav);
     pel_nav_warm_epoch(nav);
     nav->epoch_before_ns = nav->at_horizon.t_ns;

@@ -266,12 +266,15 @@ static void limit_lag(pel_navigator_t *nav)
     if (pel_nav_advance(nav, to_ns) < 0) {
         nav->counters.numeric_faults++;
         pel_nav_drop_ins(nav);
+    } else if (pel_nav_wheels_update(nav)) {
+        pel_nav_predict_now(nav);
     }
 }
 
 void pel_nav_take_increment(pel_navigator_t *nav, const pel_imu_t *body)
 {
     (void)pel_imu_ring_push(&nav->ring, body);
+    pel_nav_wheels_increment(nav, body);
     if (!nav->ins) {
         pel_nav_align_increment(nav, body);
         return;

@@ -306,6 +306,17 @@ void pel_nav_vehicle_close_loop(pel_navigator_t *nav);
 bool pel_nav_track_search_begin(pel_navigator_t *nav, bool held);
 bool pel_nav_track_search_step(pel_navigator_t *nav, int32_t max_nodes);
 
+/* ---- wheels.c: a vehicle that goes where it points ---- */
+
+/* Each increment: is it as quiet as at rest? */
+void pel_nav_wheels_increment(pel_navigator_t *nav, const pel_imu_t *body);
+
+/* Twice a second of the horizon: rows of standing or rolling into the filter, closed loop. True: the state has changed. */
+bool pel_nav_wheels_update(pel_navigator_t *nav);
+
+/* The same after an epoch, which also tells where the vehicle points. */
+void pel_nav_wheels_epoch(pel_navigator_t *nav);
+
 /* ---- warm.c: the snapshot of the life before ---- */
 
 /* Attitude from a stored snapshot, if one waits and nothing speaks against it. Gives its verdict. */
