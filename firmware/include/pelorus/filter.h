@@ -90,6 +90,9 @@ void pel_ud_ph(const pel_ud_t *ud, const pel_real h[], int first, pel_real out[]
 
 pel_real pel_ud_cov(const pel_ud_t *ud, int i, int j);
 
+/* Variance of x_i + x_j, i and j different: a sum of squares, never negative. */
+pel_real pel_ud_var_of_sum(const pel_ud_t *ud, int i, int j);
+
 /* P[i.., j..], 3x3. */
 void pel_ud_block3(const pel_ud_t *ud, int i, int j, double P[3][3]);
 

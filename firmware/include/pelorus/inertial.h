@@ -109,6 +109,9 @@ bool pel_imu_ring_is_whole(const pel_imu_ring_t *ring, int i);
  * Binary search. */
 int pel_imu_ring_after(const pel_imu_ring_t *ring, pel_time_t t_ns);
 
+/* Are there at least `count` increments that end after t? Without a search. */
+bool pel_imu_ring_has_after(const pel_imu_ring_t *ring, pel_time_t t_ns, int count);
+
 /* Cut an increment at a time inside it: rate and specific force are taken as constant over it. Both halves keep seq and
  * flags. PEL_E_RANGE (outputs unchanged) unless start < t < end. Outputs may alias the input. */
 pel_status_t pel_imu_split(const pel_imu_t *whole, pel_time_t t_ns, pel_imu_t *first, pel_imu_t *second);

@@ -130,9 +130,9 @@ pel_status_t pel_ud_clone(pel_ud_t *ud, int j, int i, pel_real var)
 
 pel_status_t pel_ud_check(const pel_ud_t *ud)
 {
-    for (int k = 0; k < column(ud->n); k++) {
-        if (!pel_isfiniter(ud->U[k])) { return PEL_E_RANGE; }
-    }
+    pel_real sum = PEL_R(0.0); /* stays 0 unless something is infinite or no number */
+    for (const pel_real *u = ud->U, *end = &ud->U[column(ud->n)]; u != end; u++) { sum += *u * PEL_R(0.0); }
+    if (!(sum == PEL_R(0.0))) { return PEL_E_RANGE; }
     for (int i = 0; i < ud->n; i++) {
         if (!pel_isfiniter(ud->D[i]) || !pel_isfiniter(ud->x[i])) { return PEL_E_RANGE; }
         if (!(ud->D[i] > PEL_R(0.0))) { return PEL_E_NOT_POSDEF; }

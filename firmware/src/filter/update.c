@@ -182,6 +182,20 @@ pel_real pel_ud_cov(const pel_ud_t *ud, int i, int j)
     return sum;
 }
 
+pel_real pel_ud_var_of_sum(const pel_ud_t *ud, int i, int j)
+{
+    const int low = (i < j) ? i : j;
+    const int high = (i < j) ? j : i;
+    pel_real sum = ud->D[low];
+    const pel_real *u = &ud->U[column(low)];
+    for (int k = low + 1; k < ud->n; k++) {
+        u += k - 1;
+        const pel_real both = u[low] + ((k > high) ? u[high] : ((k == high) ? PEL_R(1.0) : PEL_R(0.0)));
+        sum += both * both * ud->D[k];
+    }
+    return sum;
+}
+
 /* Rows i..i+2 of column k, its diagonal and what is below it too. */
 static void three_rows(const pel_real *u, int i, int k, pel_real a[3])
 {

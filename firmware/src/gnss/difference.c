@@ -36,42 +36,42 @@ typedef struct {
     double var_code, var_phase, var_rate;
 } reduced_t;
 
-static reduced_t reduce(const pel_obs_t *obs, const pel_sight_t *s, const pel_noise_config_t *noise, double factor)
+static void reduce(const pel_obs_t *obs, const pel_sight_t *s, const pel_noise_config_t *noise, double factor,
+                   reduced_t *r)
 {
-    const double lambda = pel_obs_lambda_m(obs);
     const double sin_el = pel_sin((double)s->el_rad);
     const double cn0 = (double)obs->cn0_dbhz;
     const double gain = factor * factor;
     const unsigned parts = pel_obs_usable_parts(obs);
-    reduced_t r = {.has_code = (parts & PEL_OBS_CODE) != 0u,
-                   .has_phase = (parts & PEL_OBS_PHASE) != 0u,
-                   .has_rate = (parts & PEL_OBS_DOPPLER) != 0u};
-    if (r.has_code) {
-        r.code_m = obs->P_m - pel_sight_code_m(s, obs);
-        r.var_code =
+    r->has_code = (parts & PEL_OBS_CODE) != 0u;
+    r->has_phase = (parts & PEL_OBS_PHASE) != 0u;
+    r->has_rate = (parts & PEL_OBS_DOPPLER) != 0u;
+    r->code_m = r->phase_m = r->rate_mps = 0.0;
+    r->var_code = r->var_phase = r->var_rate = 0.0;
+    if (r->has_code) {
+        r->code_m = obs->P_m - pel_sight_code_m(s, obs);
+        r->var_code =
             gain * ((obs->sys == PEL_SYS_GLO) ? GLO_CODE_GAIN : 1.0) * pel_noise_var(noise, PEL_OBS_CODE, sin_el, cn0);
     }
-    if (r.has_phase) {
-        r.phase_m = lambda * obs->L_cyc - pel_sight_phase_m(s, obs);
-        r.var_phase = gain * pel_noise_var(noise, PEL_OBS_PHASE, sin_el, cn0);
+    if (r->has_phase) {
+        r->phase_m = pel_obs_lambda_m(obs) * obs->L_cyc - pel_sight_phase_m(s, obs);
+        r->var_phase = gain * pel_noise_var(noise, PEL_OBS_PHASE, sin_el, cn0);
     }
-    if (r.has_rate) {
-        r.rate_mps = -lambda * (double)obs->D_hz - pel_sight_rate_mps(s);
-        r.var_rate = gain * pel_noise_var(noise, PEL_OBS_DOPPLER, sin_el, cn0);
+    if (r->has_rate) {
+        r->rate_mps = -pel_obs_lambda_m(obs) * (double)obs->D_hz - pel_sight_rate_mps(s);
+        r->var_rate = gain * pel_noise_var(noise, PEL_OBS_DOPPLER, sin_el, cn0);
     }
-    return r;
 }
 
-static pel_sd_t blank_row(const pel_obs_t *obs, const pel_sight_t *s)
+static void blank_row(const pel_obs_t *obs, const pel_sight_t *s, pel_sd_t *d)
 {
-    pel_sd_t d = {.sys = obs->sys, .prn = obs->prn, .carrier = obs->carrier, .glo_k = obs->glo_k};
-    d.half = (obs->flags & PEL_OBS_HALF_CYCLE) != 0u;
-    d.slip = (obs->flags & PEL_OBS_SLIP) != 0u;
-    d.el_rad = s->el_rad;
-    d.cn0_dbhz = obs->cn0_dbhz;
-    d.lambda_m = pel_obs_lambda_m(obs);
-    for (int k = 0; k < 3; k++) { d.u_e[k] = s->u_e[k]; }
-    return d;
+    *d = (pel_sd_t){.sys = obs->sys, .prn = obs->prn, .carrier = obs->carrier, .glo_k = obs->glo_k};
+    d->half = (obs->flags & PEL_OBS_HALF_CYCLE) != 0u;
+    d->slip = (obs->flags & PEL_OBS_SLIP) != 0u;
+    d->el_rad = s->el_rad;
+    d->cn0_dbhz = obs->cn0_dbhz;
+    d->lambda_m = pel_obs_lambda_m(obs);
+    for (int k = 0; k < 3; k++) { d->u_e[k] = s->u_e[k]; }
 }
 
 /* How much of what a carrier can offer this row has; a phase without its integer counts nothing. */
@@ -157,10 +157,11 @@ typedef struct {
  * errors change in a second. */
 static bool single_receiver_row(const pair_t *p, const pel_obs_t *obs, const pel_sight_t *s, pel_sd_t *d)
 {
-    const reduced_t r = reduce(obs, s, p->noise, p->noise->rover_factor);
+    reduced_t r;
+    reduce(obs, s, p->noise, p->noise->rover_factor, &r);
     const double f1 = pel_carrier_hz(PEL_SYS_GPS, PEL_CARRIER_L1, 0);
     const double l1 = PEL_SPEED_OF_LIGHT / f1;
-    *d = blank_row(obs, s);
+    blank_row(obs, s, d);
     const double iono_sd = (double)s->sd_iono_m * sq(d->lambda_m / l1);
     d->has_code = r.has_code;
     d->has_phase = r.has_phase;
@@ -182,9 +183,10 @@ static bool differenced_row(const pair_t *p, int i, const pel_sight_t *s, pel_sd
     if (sb == NULL || ob == NULL || sb->excluded || !same_ephemeris(s, sb)) { return false; }
     if (better_code_elsewhere(p->rover, i, p->base, ob)) { return false; }
 
-    const reduced_t a = reduce(obs, s, p->noise, p->noise->rover_factor);
-    const reduced_t b = reduce(ob, sb, p->noise, p->noise->base_factor);
-    *d = blank_row(obs, s);
+    reduced_t a, b;
+    reduce(obs, s, p->noise, p->noise->rover_factor, &a);
+    reduce(ob, sb, p->noise, p->noise->base_factor, &b);
+    blank_row(obs, s, d);
     d->half = d->half || (ob->flags & PEL_OBS_HALF_CYCLE) != 0u;
     d->slip = d->slip || (ob->flags & PEL_OBS_SLIP) != 0u;
     d->has_code = a.has_code && b.has_code;

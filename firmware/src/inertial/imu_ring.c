@@ -65,6 +65,12 @@ int pel_imu_ring_after(const pel_imu_ring_t *ring, pel_time_t t_ns)
     return low;
 }
 
+bool pel_imu_ring_has_after(const pel_imu_ring_t *ring, pel_time_t t_ns, int count)
+{
+    const pel_imu_t *last_of_them = pel_imu_ring_at(ring, (int)ring->n - count);
+    return count < 1 || (last_of_them != NULL && last_of_them->t_ns > t_ns);
+}
+
 pel_status_t pel_imu_split(const pel_imu_t *whole, pel_time_t t_ns, pel_imu_t *first, pel_imu_t *second)
 {
     const double rest_s = pel_time_diff_s(whole->t_ns, t_ns);

@@ -256,8 +256,7 @@ static void tick(pel_navigator_t *nav, const pel_imu_t *body)
 static void limit_lag(pel_navigator_t *nav)
 {
     if (nav->search != PEL_NAV_SEARCH_NONE) { return; } /* its epoch holds the horizon, for LONGEST_SEARCH_S at most */
-    const int waiting = nav->ring.n - pel_imu_ring_after(&nav->ring, nav->at_horizon.t_ns);
-    const bool nearly_full = waiting >= PEL_IMU_RING - 4;
+    const bool nearly_full = pel_imu_ring_has_after(&nav->ring, nav->at_horizon.t_ns, PEL_IMU_RING - 4);
     const double longest_lag_s =
         pel_max(LEAST_LAG_S, (double)nav->cfg.base_wait_s + (double)nav->cfg.apply_delay_s + 0.2);
     if (!nearly_full && pel_time_diff_s(nav->now.t_ns, nav->at_horizon.t_ns) < longest_lag_s) { return; }

@@ -80,8 +80,9 @@ static void draw_lost_position(pel_navigator_t *nav)
 {
     const int i_r = pel_model_index(&nav->model, PEL_BLOCK_POSITION);
     double P[3][3];
+    if (nav->ins) { return; }
     pel_ud_block3(&nav->ud, i_r, i_r, P);
-    if (nav->ins || P[0][0] + P[1][1] + P[2][2] < LOST_SD_M * LOST_SD_M) { return; }
+    if (P[0][0] + P[1][1] + P[2][2] < LOST_SD_M * LOST_SD_M) { return; }
     for (int k = 0; k < 3; k++) {
         pel_real h[PEL_MAX_STATES] = {0};
         h[i_r + k] = PEL_R(1.0);

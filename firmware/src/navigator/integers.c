@@ -127,8 +127,7 @@ void pel_nav_count_verdict(pel_nav_counters_t *c, pel_int_reason_t reason)
 
 bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav_integers_t *out)
 {
-    pel_amb_problem_t *p = &nav->problem;
-    memset(p, 0, sizeof *p);
+    pel_amb_problem_t *p = &nav->problem; /* every member of what its counts say is set below */
     double mask_rad = nav->cfg.integer_mask_rad;
     while (!fill_problem(nav, mask_rad, p, nav->update.row_of) && mask_rad < PEL_PI / 2.0) {
         mask_rad += MASK_STEP_RAD;

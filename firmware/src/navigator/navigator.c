@@ -142,7 +142,7 @@ static void go_on(pel_navigator_t *nav)
 {
     pel_nav_go_on(nav, nav->cfg.slice_nodes);
     const bool late = pel_time_diff_s(nav->last_imu_ns, nav->at_horizon.t_ns) > LONGEST_SEARCH_S ||
-                      nav->ring.n - pel_imu_ring_after(&nav->ring, nav->at_horizon.t_ns) > (PEL_IMU_RING * 3) / 4;
+                      pel_imu_ring_has_after(&nav->ring, nav->at_horizon.t_ns, (PEL_IMU_RING * 3) / 4 + 1);
     if (nav->search == PEL_NAV_SEARCH_NONE) {
         drop_oldest(nav);
     } else if (late) {

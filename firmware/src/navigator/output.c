@@ -57,10 +57,7 @@ static void fill_biases(const pel_navigator_t *nav, pel_solution_t *out)
     for (int k = 0; k < 3; k++) {
         out->b_g[k] = (float)(nav->errors.gyro_constant[k] + nav->errors.gyro_markov[k]);
         out->b_a[k] = (float)nav->errors.accel_markov[k];
-        const double var_g = (double)pel_ud_cov(&nav->ud, i_c + k, i_c + k) +
-                             (double)pel_ud_cov(&nav->ud, i_m + k, i_m + k) +
-                             2.0 * (double)pel_ud_cov(&nav->ud, i_c + k, i_m + k);
-        out->sd_b_g[k] = (float)pel_sqrt(pel_max(var_g, 0.0));
+        out->sd_b_g[k] = (float)pel_sqrt((double)pel_ud_var_of_sum(&nav->ud, i_c + k, i_m + k));
         out->sd_b_a[k] = (float)pel_sqrt((double)pel_ud_cov(&nav->ud, i_a + k, i_a + k));
     }
 }

@@ -308,6 +308,21 @@ static void blocks_are_their_elements_wherever_they_lie(void)
     }
 }
 
+static void the_variance_of_a_sum_is_that_of_its_parts(void)
+{
+    pel_ud_t ud;
+    dense_t d;
+    random_filter(&rng, 11, &ud, &d);
+    for (int i = 0; i < 11; i++) {
+        for (int j = 0; j < 11; j++) {
+            if (i == j) { continue; }
+            const double expected = d.P[i][i] + d.P[j][j] + 2.0 * d.P[i][j];
+            const double scale = d.P[i][i] + d.P[j][j];
+            TEST_ASSERT_DOUBLE_WITHIN(TOL * scale, expected, (double)pel_ud_var_of_sum(&ud, i, j));
+        }
+    }
+}
+
 static void the_hash_sees_every_number_and_no_padding(void)
 {
     pel_ud_t ud;
@@ -375,6 +390,7 @@ int main(void)
     RUN_TEST(states_come_and_go_as_in_dense_algebra);
     RUN_TEST(markov_states_decay);
     RUN_TEST(blocks_are_their_elements_wherever_they_lie);
+    RUN_TEST(the_variance_of_a_sum_is_that_of_its_parts);
     RUN_TEST(the_hash_sees_every_number_and_no_padding);
     RUN_TEST(lost_factors_are_noticed);
     return UNITY_END();

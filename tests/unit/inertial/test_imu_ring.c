@@ -67,7 +67,11 @@ static void search_finds_the_increment_that_contains_a_time(void)
         const pel_time_t t = pel_imu_ring_at(&ring, i)->t_ns;
         TEST_ASSERT_EQUAL(i, pel_imu_ring_after(&ring, t - 1));
         TEST_ASSERT_EQUAL(i + 1, pel_imu_ring_after(&ring, t));
+        const int behind = ring.n - (i + 1);
+        TEST_ASSERT_TRUE(pel_imu_ring_has_after(&ring, t, behind));
+        TEST_ASSERT_FALSE(pel_imu_ring_has_after(&ring, t, behind + 1));
     }
+    TEST_ASSERT_FALSE(pel_imu_ring_has_after(&ring, 0, ring.n + 1));
     TEST_ASSERT_EQUAL(0, pel_imu_ring_after(&ring, 0));
 }
 
