@@ -36,7 +36,7 @@ static const pel_imu_t *clipped(const pel_navigator_t *nav, int i, pel_time_t fr
     pel_imu_t rest;
     if (imu == NULL) { return NULL; }
     if (pel_imu_split(imu, from_ns, &rest, part) == PEL_OK) { imu = part; }
-    if (pel_imu_split(imu, to_ns, part, &rest) == PEL_OK) { imu = part; }
+    if (imu->t_ns > to_ns && pel_imu_split(imu, to_ns, part, &rest) == PEL_OK) { imu = part; }
     return (imu->t_ns <= to_ns) ? imu : NULL;
 }
 

@@ -146,7 +146,7 @@ bool pel_nav_resolve_begin(pel_navigator_t *nav, const double P_a[3][3], pel_nav
     limits.success_min = (double)nav->cfg.success_min;
     limits.prior_sigma = PRIOR_SIGMAS;
     limits.failure_max = (double)nav->cfg.failure_max;
-    memset(&nav->ils, 0, sizeof nav->ils); /* empty: its memory held the views */
+    memset(&nav->ils, 0, offsetof(pel_ils_t, w)); /* its memory held the views: no counts, hence nothing behind them */
     return pel_amb_resolve_begin(&nav->resolver, p, &limits, nav->cfg.node_budget, MAX_TRIES) == PEL_OK;
 }
 
