@@ -84,19 +84,19 @@ static pel_status_t turn_states(pel_navigator_t *nav, const double C[3][3], cons
 static pel_status_t change(pel_navigator_t *nav, double lat, double lon, double h, bool to_local)
 {
     const pel_strapdown_t *s = &nav->at_horizon;
+    const double sign = to_local ? -1.0 : 1.0;
     double C_e_enu[3][3], C_enu_e[3][3], v_enu[3], W[3][3], M, N, sin_lat, cos_lat;
     pel_earth_C_e_enu(lat, lon, C_e_enu);
-    pel_mat3_transpose(C_e_enu, C_enu_e);
     pel_sincos(lat, &sin_lat, &cos_lat);
     pel_earth_radii_at(sin_lat, &M, &N);
     const double T[3][3] = {
-        {0.0, -1.0 / (M + h), 0.0}, {1.0 / (N + h), 0.0, 0.0}, {sin_lat / (cos_lat * (N + h)), 0.0, 0.0}};
+        {0.0, -sign / (M + h), 0.0}, {sign / (N + h), 0.0, 0.0}, {sign * sin_lat / (cos_lat * (N + h)), 0.0, 0.0}};
     if (!to_local) {
+        pel_mat3_transpose(C_e_enu, C_enu_e);
         pel_mat3_mul(C_enu_e, T, W);
         return turn_states(nav, C_enu_e, W, s->v_eb_e);
     }
-    const double minus_T[3][3] = {{0.0, -T[0][1], 0.0}, {-T[1][0], 0.0, 0.0}, {-T[2][0], 0.0, 0.0}};
-    pel_mat3_mul(minus_T, C_e_enu, W);
+    pel_mat3_mul(T, C_e_enu, W);
     pel_mat3_vec(C_e_enu, s->v_eb_e, v_enu);
     return turn_states(nav, C_e_enu, W, v_enu);
 }
