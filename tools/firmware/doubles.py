@@ -13,7 +13,7 @@ OBJECTS = {
     "filter": {"offsets", "propagate", "states"},   # once a step or epoch: decay of offsets, sums of increments; a covariance given in doubles
     "model": {"blocks", "transition", "transition_enu"}, # once a substep
     "observe": {"dd_rows", "motion_rows", "path_fit", "phase_rows", "tdcp"}, # differences of ranges become float innovations
-    "wire": {"baro_frame", "bitio", "framing", "glonass", "imu_frame", "imu_stream", "lnav", "navmsg", "nmea", "novatel_imu", "receiver", "rtcm3",
+    "wire": {"baro_frame", "bitio", "fields", "framing", "glonass", "imu_frame", "imu_stream", "lnav", "navmsg", "nmea", "novatel_imu", "receiver", "rtcm3",
              "rtcm3_legacy", "rtcm3_msm", "rtcm3_msm_encode", "ubx_pvt", "ubx_rawx"},
 }
 CONVERSIONS_ONLY = {("filter", "update")}           # a check for infinity

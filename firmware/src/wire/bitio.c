@@ -1,7 +1,5 @@
 #include "framing.h"
 
-#define PI_ICD 3.1415926535898 /* IS-GPS-200 table 20-IV; Galileo and BeiDou use the same digits */
-
 void pel_bitio_read(pel_bitio_t *io, const uint8_t *p, size_t n_bytes)
 {
     io->writing = false;
@@ -37,40 +35,13 @@ void pel_io_fill(pel_bitio_t *io, unsigned n_bits, uint64_t v)
     }
 }
 
-void pel_io_uf(pel_bitio_t *io, unsigned n_bits, int pow2, double *v)
-{
-    if (io->writing) {
-        pel_write_u(&io->w, n_bits, (uint64_t)pel_round_i64(*v * pel_pow2(-pow2)));
-    } else {
-        *v = (double)pel_read_u(&io->r, n_bits) * pel_pow2(pow2);
-    }
-}
-
-void pel_io_unit(pel_bitio_t *io, unsigned n_bits, double unit, double *v)
+void pel_io_signed(pel_bitio_t *io, unsigned n_bits, double unit, double *v)
 {
     if (io->writing) {
         pel_write_s(&io->w, n_bits, pel_round_i64(*v / unit));
     } else {
         *v = (double)pel_read_s(&io->r, n_bits) * unit;
     }
-}
-
-void pel_io_sf(pel_bitio_t *io, unsigned n_bits, int pow2, double *v)
-{
-    pel_io_unit(io, n_bits, pel_pow2(pow2), v);
-}
-
-void pel_io_semi(pel_bitio_t *io, unsigned n_bits, int pow2, double *v)
-{
-    const double unit = PI_ICD * pel_pow2(pow2);
-    if (io->writing && n_bits == 32u) {
-        /* 2^32 units are a full turn: an angle of any turn keeps its low 32 bits */
-        const int64_t raw = pel_round_i64(*v / unit);
-        if (raw == INT64_MIN) { io->w.out_of_range = true; }
-        pel_write_u(&io->w, 32, (uint64_t)raw & UINT64_C(0xFFFFFFFF));
-        return;
-    }
-    pel_io_unit(io, n_bits, unit, v);
 }
 
 /* ---- little-endian ---------------------------------------------------------------------------------------------------- */

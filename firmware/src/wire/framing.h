@@ -63,12 +63,8 @@ void pel_bitio_read(pel_bitio_t *io, const uint8_t *p, size_t n_bytes);
 void pel_bitio_write(pel_bitio_t *io, uint8_t *p, size_t n_bytes);
 bool pel_bitio_failed(const pel_bitio_t *io); /* ran past the end, or a value does not fit its field */
 void pel_io_u(pel_bitio_t *io, unsigned n_bits, uint32_t *v);
-void pel_io_fill(pel_bitio_t *io, unsigned n_bits, uint64_t v);        /* written as v, skipped when read */
-void pel_io_uf(pel_bitio_t *io, unsigned n_bits, int pow2, double *v); /* unsigned, unit 2^pow2 */
-void pel_io_sf(pel_bitio_t *io, unsigned n_bits, int pow2, double *v); /* two's complement */
-void pel_io_semi(pel_bitio_t *io, unsigned n_bits, int pow2,
-                 double *v); /* semicircles on the wire, rad here; 32 bits wrap */
-void pel_io_unit(pel_bitio_t *io, unsigned n_bits, double unit, double *v); /* two's complement, any unit */
+void pel_io_fill(pel_bitio_t *io, unsigned n_bits, uint64_t v);               /* written as v, skipped when read */
+void pel_io_signed(pel_bitio_t *io, unsigned n_bits, double unit, double *v); /* two's complement */
 
 /* The same for little-endian payloads. */
 typedef struct {

@@ -13,56 +13,21 @@ static void how_fields(pel_bitio_t *io, pel_nav_raw_t *raw)
     pel_io_fill(io, 2, 0);
 }
 
+static const pel_field_t SUBFRAME_1[] = {
+    PEL_RAW(10, week),   PEL_FILL(2, 1), /* P code on L2 */
+    PEL_RAW(4, ura),     PEL_RAW(6, health),   PEL_RAW(2, piece[0]),     PEL_FILL(1 + 23, 0),  PEL_FILL(24, 0),
+    PEL_FILL(24, 0),     PEL_FILL(16, 0),      PEL_SF(8, -31, tgd_s[0]), PEL_RAW(8, piece[1]), PEL_RAW(16, toc),
+    PEL_SF(8, -55, af2), PEL_SF(16, -43, af1), PEL_SF(22, -31, af0),     PEL_FILL(2, 0),
+};
+static const pel_field_t SUBFRAME_2_END[] = {PEL_RAW(16, toe), PEL_RAW(1, fit), PEL_FILL(5 + 2, 0)};
+static const pel_field_t SUBFRAME_3_END[] = {PEL_RAW(8, iode), PEL_SEMI(14, -43, idot), PEL_FILL(2, 0)};
+
 static void subframe_1(pel_bitio_t *io, pel_ephemeris_t *e, pel_nav_raw_t *raw)
 {
-    uint32_t iodc_msb = raw->iodc >> 8;
-    uint32_t iodc_lsb = raw->iodc & 0xFFu;
-    pel_io_u(io, 10, &raw->week);
-    pel_io_fill(io, 2, 1); /* P code on L2 */
-    pel_io_u(io, 4, &raw->ura);
-    pel_io_u(io, 6, &raw->health);
-    pel_io_u(io, 2, &iodc_msb);
-    pel_io_fill(io, 1 + 23, 0);
-    pel_io_fill(io, 24, 0);
-    pel_io_fill(io, 24, 0);
-    pel_io_fill(io, 16, 0);
-    pel_io_sf(io, 8, -31, &e->tgd_s[0]);
-    pel_io_u(io, 8, &iodc_lsb);
-    pel_io_u(io, 16, &raw->toc);
-    pel_io_sf(io, 8, -55, &e->af2);
-    pel_io_sf(io, 16, -43, &e->af1);
-    pel_io_sf(io, 22, -31, &e->af0);
-    pel_io_fill(io, 2, 0);
-    raw->iodc = (iodc_msb << 8) | iodc_lsb;
-}
-
-static void subframe_2(pel_bitio_t *io, pel_ephemeris_t *e, pel_nav_raw_t *raw)
-{
-    pel_io_u(io, 8, &raw->iode);
-    pel_io_sf(io, 16, -5, &e->crs);
-    pel_io_semi(io, 16, -43, &e->dn);
-    pel_io_semi(io, 32, -31, &e->M0);
-    pel_io_sf(io, 16, -29, &e->cuc);
-    pel_io_uf(io, 32, -33, &e->e);
-    pel_io_sf(io, 16, -29, &e->cus);
-    pel_io_uf(io, 32, -19, &e->sqrt_a);
-    pel_io_u(io, 16, &raw->toe);
-    pel_io_u(io, 1, &raw->fit);
-    pel_io_fill(io, 5 + 2, 0);
-}
-
-static void subframe_3(pel_bitio_t *io, pel_ephemeris_t *e, pel_nav_raw_t *raw)
-{
-    pel_io_sf(io, 16, -29, &e->cic);
-    pel_io_semi(io, 32, -31, &e->Omega0);
-    pel_io_sf(io, 16, -29, &e->cis);
-    pel_io_semi(io, 32, -31, &e->i0);
-    pel_io_sf(io, 16, -5, &e->crc);
-    pel_io_semi(io, 32, -31, &e->omega);
-    pel_io_semi(io, 24, -43, &e->Omega_dot);
-    pel_io_u(io, 8, &raw->iode);
-    pel_io_semi(io, 14, -43, &e->idot);
-    pel_io_fill(io, 2, 0);
+    raw->piece[0] = raw->iodc >> 8;
+    raw->piece[1] = raw->iodc & 0xFFu;
+    PEL_IO_FIELDS(io, SUBFRAME_1, e, raw);
+    raw->iodc = (raw->piece[0] << 8) | raw->piece[1];
 }
 
 void pel_lnav_fields(pel_bitio_t *io, int subframe, pel_ephemeris_t *eph, pel_nav_raw_t *raw)
@@ -72,9 +37,12 @@ void pel_lnav_fields(pel_bitio_t *io, int subframe, pel_ephemeris_t *eph, pel_na
     if (subframe == 1) {
         subframe_1(io, eph, raw);
     } else if (subframe == 2) {
-        subframe_2(io, eph, raw);
+        pel_io_u(io, 8, &raw->iode);
+        pel_io_orbit_to_sqrt_a(io, eph);
+        PEL_IO_FIELDS(io, SUBFRAME_2_END, eph, raw);
     } else {
-        subframe_3(io, eph, raw);
+        pel_io_orbit_from_cic(io, eph);
+        PEL_IO_FIELDS(io, SUBFRAME_3_END, eph, raw);
     }
 }
 
@@ -90,7 +58,7 @@ void pel_lnav_klobuchar_fields(pel_bitio_t *io, pel_klobuchar_t *k, pel_nav_raw_
     for (int i = 0; i < 8; i++) {
         float *const f = (i < 4) ? &k->alpha[i] : &k->beta[i - 4];
         double v = (double)*f;
-        pel_io_sf(io, 8, (i < 4) ? ALPHA_POW2[i] : BETA_POW2[i - 4], &v);
+        pel_io_signed(io, 8, pel_pow2((i < 4) ? ALPHA_POW2[i] : BETA_POW2[i - 4]), &v);
         *f = (float)v;
     }
     pel_io_fill(io, 24 + 32, 0); /* UTC polynomial and its times, not used here */

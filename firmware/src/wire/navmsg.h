@@ -14,8 +14,57 @@ typedef struct {
     uint32_t iode, iodc;
     uint32_t fit; /* GPS fit interval flag */
     uint32_t prn;
-    uint32_t part; /* subframe, word or page number found in the message */
+    uint32_t part;     /* subframe, word or page number found in the message */
+    uint32_t piece[4]; /* of a field that is sent in pieces */
 } pel_nav_raw_t;
+
+/* A part of a message is a table of its fields in order. */
+typedef enum {
+    PEL_FIELD_RAW,      /* unsigned, into pel_nav_raw_t */
+    PEL_FIELD_FILL,     /* written as `at`, skipped when read */
+    PEL_FIELD_UNSIGNED, /* into pel_ephemeris_t, unit 2^pow2 */
+    PEL_FIELD_SIGNED,   /* two's complement */
+    PEL_FIELD_SEMI,     /* semicircles on the wire, rad here; 32 bits wrap */
+    PEL_FIELD_TGD       /* two's complement, unit 0.1 ns */
+} pel_field_kind_t;
+
+typedef struct {
+    uint8_t kind, bits;
+    int8_t pow2;
+    uint8_t at; /* offset of the member */
+} pel_field_t;
+
+#define PEL_RAW(bits, member)                                                                                          \
+    {                                                                                                                  \
+        PEL_FIELD_RAW, bits, 0, offsetof(pel_nav_raw_t, member)                                                        \
+    }
+#define PEL_FILL(bits, value)                                                                                          \
+    {                                                                                                                  \
+        PEL_FIELD_FILL, bits, 0, value                                                                                 \
+    }
+#define PEL_UF(bits, pow2, member)                                                                                     \
+    {                                                                                                                  \
+        PEL_FIELD_UNSIGNED, bits, pow2, offsetof(pel_ephemeris_t, member)                                              \
+    }
+#define PEL_SF(bits, pow2, member)                                                                                     \
+    {                                                                                                                  \
+        PEL_FIELD_SIGNED, bits, pow2, offsetof(pel_ephemeris_t, member)                                                \
+    }
+#define PEL_SEMI(bits, pow2, member)                                                                                   \
+    {                                                                                                                  \
+        PEL_FIELD_SEMI, bits, pow2, offsetof(pel_ephemeris_t, member)                                                  \
+    }
+#define PEL_TGD(member)                                                                                                \
+    {                                                                                                                  \
+        PEL_FIELD_TGD, 10, 0, offsetof(pel_ephemeris_t, member)                                                        \
+    }
+
+void pel_io_fields(pel_bitio_t *io, const pel_field_t field[], size_t n, pel_ephemeris_t *eph, pel_nav_raw_t *raw);
+#define PEL_IO_FIELDS(io, table, eph, raw) pel_io_fields(io, table, sizeof(table) / sizeof((table)[0]), eph, raw)
+
+/* The elements that GPS, QZSS and Galileo send in the same order and units wherever they send them: crs to sqrt(a), cic to Omega dot. */
+void pel_io_orbit_to_sqrt_a(pel_bitio_t *io, pel_ephemeris_t *eph);
+void pel_io_orbit_from_cic(pel_bitio_t *io, pel_ephemeris_t *eph);
 
 /* raw -> the rest of eph, with weeks resolved near t_ref; tow_known: raw->tow_s is the time of transmission.
  * False: a value is out of range, or the time of ephemeris does not fit its own week. */
@@ -30,6 +79,10 @@ void pel_lnav_klobuchar_fields(pel_bitio_t *io, pel_klobuchar_t *k, pel_nav_raw_
 /* Galileo I/NAV word 1..5, 16 bytes. */
 #define PEL_INAV_BYTES 16
 void pel_inav_fields(pel_bitio_t *io, int word, pel_ephemeris_t *eph, pel_nav_raw_t *raw);
+/* Galileo's health here: E1-B (F/NAV: E5a) data validity, its status (2 bits), E5b data validity, its status (2), from the lowest bit; these
+ * are pieces 0 to 3 on the wire. */
+void pel_gal_health_to_pieces(pel_nav_raw_t *raw);
+void pel_gal_health_from_pieces(pel_nav_raw_t *raw);
 /* Geostationary satellites send D2, the others D1. */
 bool pel_bds_is_geo(int prn);
 /* BeiDou D1 subframe 1..3: 26 + 9 * 22 data bits, 28 bytes. */

@@ -48,11 +48,11 @@ static void station_fields(pel_bitio_t *io, pel_station_t *s, uint32_t *type)
     pel_io_u(io, 12, &id);
     pel_io_fill(io, 6, 0);    /* ITRF year */
     pel_io_fill(io, 4, 0x0A); /* GPS, GLONASS, Galileo served; real station */
-    pel_io_unit(io, 38, STATION_UNIT_M, &s->r_ea_e[0]);
+    pel_io_signed(io, 38, STATION_UNIT_M, &s->r_ea_e[0]);
     pel_io_fill(io, 2, 2); /* single oscillator */
-    pel_io_unit(io, 38, STATION_UNIT_M, &s->r_ea_e[1]);
+    pel_io_signed(io, 38, STATION_UNIT_M, &s->r_ea_e[1]);
     pel_io_fill(io, 2, 0);
-    pel_io_unit(io, 38, STATION_UNIT_M, &s->r_ea_e[2]);
+    pel_io_signed(io, 38, STATION_UNIT_M, &s->r_ea_e[2]);
     if (*type == 1006u) { pel_io_fill(io, 16, 0); }
     s->id = (uint16_t)id;
 }

@@ -2,160 +2,108 @@
 
 /* RTCM 10403: 1019 GPS, 1020 GLONASS, 1042 BeiDou, 1044 QZSS, 1045 Galileo F/NAV, 1046 Galileo I/NAV. */
 
-static void fields_1019(pel_bitio_t *io, pel_ephemeris_t *e, pel_nav_raw_t *raw)
+/* What stands before the orbit and behind it; toe is within it. */
+static const pel_field_t HEAD_1019[] = {
+    PEL_RAW(6, prn),         PEL_RAW(10, week),    PEL_RAW(4, ura),   PEL_FILL(2, 1), /* code on L2: P */
+    PEL_SEMI(14, -43, idot), PEL_RAW(8, iode),     PEL_RAW(16, toc),  PEL_SF(8, -55, af2),
+    PEL_SF(16, -43, af1),    PEL_SF(22, -31, af0), PEL_RAW(10, iodc),
+};
+static const pel_field_t TAIL_1019[] = {
+    PEL_SF(8, -31, tgd_s[0]),
+    PEL_RAW(6, health),
+    PEL_FILL(1, 0),
+    PEL_RAW(1, fit),
+};
+static const pel_field_t HEAD_1044[] = {
+    PEL_RAW(4, prn),      PEL_RAW(16, toc),     PEL_SF(8, -55, af2),
+    PEL_SF(16, -43, af1), PEL_SF(22, -31, af0), PEL_RAW(8, iode),
+};
+static const pel_field_t TAIL_1044[] = {
+    PEL_SEMI(14, -43, idot),  PEL_FILL(2, 2), /* codes on L2: L2C */
+    PEL_RAW(10, week),        PEL_RAW(4, ura),   PEL_RAW(6, health),
+    PEL_SF(8, -31, tgd_s[0]), PEL_RAW(10, iodc), PEL_RAW(1, fit),
+};
+static const pel_field_t HEAD_GALILEO[] = {
+    PEL_RAW(6, prn),  PEL_RAW(12, week),   PEL_RAW(10, iode),    PEL_RAW(8, ura),      PEL_SEMI(14, -43, idot),
+    PEL_RAW(14, toc), PEL_SF(6, -59, af2), PEL_SF(21, -46, af1), PEL_SF(31, -34, af0),
+};
+/* F/NAV and I/NAV differ after BGD E5a/E1 only. Pieces of health: E1-B (or, F/NAV, E5a) validity and status, E5b likewise. */
+static const pel_field_t TAIL_FNAV[] = {
+    PEL_SF(10, -32, tgd_s[0]),
+    PEL_RAW(2, piece[1]),
+    PEL_RAW(1, piece[0]),
+    PEL_FILL(7, 0),
+};
+static const pel_field_t TAIL_INAV[] = {
+    PEL_SF(10, -32, tgd_s[0]), PEL_SF(10, -32, tgd_s[1]), PEL_RAW(2, piece[3]), PEL_RAW(1, piece[2]),
+    PEL_RAW(2, piece[1]),      PEL_RAW(1, piece[0]),      PEL_FILL(2, 0),
+};
+static const pel_field_t FIELDS_1042[] = {
+    PEL_RAW(6, prn),
+    PEL_RAW(13, week),
+    PEL_RAW(4, ura),
+    PEL_SEMI(14, -43, idot),
+    PEL_RAW(5, iode),
+    PEL_RAW(17, toc),
+    PEL_SF(11, -66, af2),
+    PEL_SF(22, -50, af1),
+    PEL_SF(24, -33, af0),
+    PEL_RAW(5, iodc),
+    PEL_SF(18, -6, crs),
+    PEL_SEMI(16, -43, dn),
+    PEL_SEMI(32, -31, M0),
+    PEL_SF(18, -31, cuc),
+    PEL_UF(32, -33, e),
+    PEL_SF(18, -31, cus),
+    PEL_UF(32, -19, sqrt_a),
+    PEL_RAW(17, toe),
+    PEL_SF(18, -31, cic),
+    PEL_SEMI(32, -31, Omega0),
+    PEL_SF(18, -31, cis),
+    PEL_SEMI(32, -31, i0),
+    PEL_SF(18, -6, crc),
+    PEL_SEMI(32, -31, omega),
+    PEL_SEMI(24, -43, Omega_dot),
+    PEL_TGD(tgd_s[0]),
+    PEL_TGD(tgd_s[1]),
+    PEL_RAW(1, health),
+};
+
+static void orbit(pel_bitio_t *io, unsigned toe_bits, pel_ephemeris_t *e, pel_nav_raw_t *raw)
 {
-    pel_io_u(io, 6, &raw->prn);
-    pel_io_u(io, 10, &raw->week);
-    pel_io_u(io, 4, &raw->ura);
-    pel_io_fill(io, 2, 1); /* code on L2: P */
-    pel_io_semi(io, 14, -43, &e->idot);
-    pel_io_u(io, 8, &raw->iode);
-    pel_io_u(io, 16, &raw->toc);
-    pel_io_sf(io, 8, -55, &e->af2);
-    pel_io_sf(io, 16, -43, &e->af1);
-    pel_io_sf(io, 22, -31, &e->af0);
-    pel_io_u(io, 10, &raw->iodc);
-    pel_io_sf(io, 16, -5, &e->crs);
-    pel_io_semi(io, 16, -43, &e->dn);
-    pel_io_semi(io, 32, -31, &e->M0);
-    pel_io_sf(io, 16, -29, &e->cuc);
-    pel_io_uf(io, 32, -33, &e->e);
-    pel_io_sf(io, 16, -29, &e->cus);
-    pel_io_uf(io, 32, -19, &e->sqrt_a);
-    pel_io_u(io, 16, &raw->toe);
-    pel_io_sf(io, 16, -29, &e->cic);
-    pel_io_semi(io, 32, -31, &e->Omega0);
-    pel_io_sf(io, 16, -29, &e->cis);
-    pel_io_semi(io, 32, -31, &e->i0);
-    pel_io_sf(io, 16, -5, &e->crc);
-    pel_io_semi(io, 32, -31, &e->omega);
-    pel_io_semi(io, 24, -43, &e->Omega_dot);
-    pel_io_sf(io, 8, -31, &e->tgd_s[0]);
-    pel_io_u(io, 6, &raw->health);
-    pel_io_fill(io, 1, 0);
-    pel_io_u(io, 1, &raw->fit);
+    pel_io_orbit_to_sqrt_a(io, e);
+    pel_io_u(io, toe_bits, &raw->toe);
+    pel_io_orbit_from_cic(io, e);
 }
 
-static void fields_1044(pel_bitio_t *io, pel_ephemeris_t *e, pel_nav_raw_t *raw)
-{
-    pel_io_u(io, 4, &raw->prn);
-    pel_io_u(io, 16, &raw->toc);
-    pel_io_sf(io, 8, -55, &e->af2);
-    pel_io_sf(io, 16, -43, &e->af1);
-    pel_io_sf(io, 22, -31, &e->af0);
-    pel_io_u(io, 8, &raw->iode);
-    pel_io_sf(io, 16, -5, &e->crs);
-    pel_io_semi(io, 16, -43, &e->dn);
-    pel_io_semi(io, 32, -31, &e->M0);
-    pel_io_sf(io, 16, -29, &e->cuc);
-    pel_io_uf(io, 32, -33, &e->e);
-    pel_io_sf(io, 16, -29, &e->cus);
-    pel_io_uf(io, 32, -19, &e->sqrt_a);
-    pel_io_u(io, 16, &raw->toe);
-    pel_io_sf(io, 16, -29, &e->cic);
-    pel_io_semi(io, 32, -31, &e->Omega0);
-    pel_io_sf(io, 16, -29, &e->cis);
-    pel_io_semi(io, 32, -31, &e->i0);
-    pel_io_sf(io, 16, -5, &e->crc);
-    pel_io_semi(io, 32, -31, &e->omega);
-    pel_io_semi(io, 24, -43, &e->Omega_dot);
-    pel_io_semi(io, 14, -43, &e->idot);
-    pel_io_fill(io, 2, 2); /* codes on L2: L2C */
-    pel_io_u(io, 10, &raw->week);
-    pel_io_u(io, 4, &raw->ura);
-    pel_io_u(io, 6, &raw->health);
-    pel_io_sf(io, 8, -31, &e->tgd_s[0]);
-    pel_io_u(io, 10, &raw->iodc);
-    pel_io_u(io, 1, &raw->fit);
-}
-
-static void fields_1042(pel_bitio_t *io, pel_ephemeris_t *e, pel_nav_raw_t *raw)
-{
-    pel_io_u(io, 6, &raw->prn);
-    pel_io_u(io, 13, &raw->week);
-    pel_io_u(io, 4, &raw->ura);
-    pel_io_semi(io, 14, -43, &e->idot);
-    pel_io_u(io, 5, &raw->iode);
-    pel_io_u(io, 17, &raw->toc);
-    pel_io_sf(io, 11, -66, &e->af2);
-    pel_io_sf(io, 22, -50, &e->af1);
-    pel_io_sf(io, 24, -33, &e->af0);
-    pel_io_u(io, 5, &raw->iodc);
-    pel_io_sf(io, 18, -6, &e->crs);
-    pel_io_semi(io, 16, -43, &e->dn);
-    pel_io_semi(io, 32, -31, &e->M0);
-    pel_io_sf(io, 18, -31, &e->cuc);
-    pel_io_uf(io, 32, -33, &e->e);
-    pel_io_sf(io, 18, -31, &e->cus);
-    pel_io_uf(io, 32, -19, &e->sqrt_a);
-    pel_io_u(io, 17, &raw->toe);
-    pel_io_sf(io, 18, -31, &e->cic);
-    pel_io_semi(io, 32, -31, &e->Omega0);
-    pel_io_sf(io, 18, -31, &e->cis);
-    pel_io_semi(io, 32, -31, &e->i0);
-    pel_io_sf(io, 18, -6, &e->crc);
-    pel_io_semi(io, 32, -31, &e->omega);
-    pel_io_semi(io, 24, -43, &e->Omega_dot);
-    pel_io_unit(io, 10, 1e-10, &e->tgd_s[0]);
-    pel_io_unit(io, 10, 1e-10, &e->tgd_s[1]);
-    pel_io_u(io, 1, &raw->health);
-}
-
-/* F/NAV and I/NAV differ after BGD E5a/E1 only. Health as in inav.c: E1-B (or, F/NAV, E5a) validity and status lowest. */
 static void fields_galileo(pel_bitio_t *io, bool inav, pel_ephemeris_t *e, pel_nav_raw_t *raw)
 {
-    uint32_t first_dvs = raw->health & 1u;
-    uint32_t first_hs = (raw->health >> 1) & 3u;
-    uint32_t e5b_dvs = (raw->health >> 3) & 1u;
-    uint32_t e5b_hs = (raw->health >> 4) & 3u;
-
-    pel_io_u(io, 6, &raw->prn);
-    pel_io_u(io, 12, &raw->week);
-    pel_io_u(io, 10, &raw->iode);
-    pel_io_u(io, 8, &raw->ura);
-    pel_io_semi(io, 14, -43, &e->idot);
-    pel_io_u(io, 14, &raw->toc);
-    pel_io_sf(io, 6, -59, &e->af2);
-    pel_io_sf(io, 21, -46, &e->af1);
-    pel_io_sf(io, 31, -34, &e->af0);
-    pel_io_sf(io, 16, -5, &e->crs);
-    pel_io_semi(io, 16, -43, &e->dn);
-    pel_io_semi(io, 32, -31, &e->M0);
-    pel_io_sf(io, 16, -29, &e->cuc);
-    pel_io_uf(io, 32, -33, &e->e);
-    pel_io_sf(io, 16, -29, &e->cus);
-    pel_io_uf(io, 32, -19, &e->sqrt_a);
-    pel_io_u(io, 14, &raw->toe);
-    pel_io_sf(io, 16, -29, &e->cic);
-    pel_io_semi(io, 32, -31, &e->Omega0);
-    pel_io_sf(io, 16, -29, &e->cis);
-    pel_io_semi(io, 32, -31, &e->i0);
-    pel_io_sf(io, 16, -5, &e->crc);
-    pel_io_semi(io, 32, -31, &e->omega);
-    pel_io_semi(io, 24, -43, &e->Omega_dot);
-    pel_io_sf(io, 10, -32, &e->tgd_s[0]);
+    pel_gal_health_to_pieces(raw);
+    PEL_IO_FIELDS(io, HEAD_GALILEO, e, raw);
+    orbit(io, 14, e, raw);
     if (inav) {
-        pel_io_sf(io, 10, -32, &e->tgd_s[1]);
-        pel_io_u(io, 2, &e5b_hs);
-        pel_io_u(io, 1, &e5b_dvs);
-        pel_io_u(io, 2, &first_hs);
-        pel_io_u(io, 1, &first_dvs);
-        pel_io_fill(io, 2, 0);
+        PEL_IO_FIELDS(io, TAIL_INAV, e, raw);
     } else {
-        pel_io_u(io, 2, &first_hs);
-        pel_io_u(io, 1, &first_dvs);
-        pel_io_fill(io, 7, 0);
+        PEL_IO_FIELDS(io, TAIL_FNAV, e, raw);
     }
-    raw->health = first_dvs | (first_hs << 1) | (e5b_dvs << 3) | (e5b_hs << 4);
+    pel_gal_health_from_pieces(raw);
 }
 
 static void fields(pel_bitio_t *io, uint32_t number, pel_ephemeris_t *e, pel_nav_raw_t *raw)
 {
     pel_io_u(io, 12, &number);
     switch (number) {
-    case 1019: fields_1019(io, e, raw); break;
-    case 1042: fields_1042(io, e, raw); break;
-    case 1044: fields_1044(io, e, raw); break;
+    case 1019:
+        PEL_IO_FIELDS(io, HEAD_1019, e, raw);
+        orbit(io, 16, e, raw);
+        PEL_IO_FIELDS(io, TAIL_1019, e, raw);
+        break;
+    case 1042: PEL_IO_FIELDS(io, FIELDS_1042, e, raw); break;
+    case 1044:
+        PEL_IO_FIELDS(io, HEAD_1044, e, raw);
+        orbit(io, 16, e, raw);
+        PEL_IO_FIELDS(io, TAIL_1044, e, raw);
+        break;
     default: fields_galileo(io, number == 1046u, e, raw); break;
     }
 }
