@@ -239,7 +239,7 @@ void fletcher8(void)
  * sources base/crc.c
  * flags --unwind 10
  * quick
- * plant base/crc.c: i < n; i++ => i <= n; i++ */
+ * plant base/crc.c: i < n; i++) { h = => i <= n; i++) { h = */
 void fnv1a(void)
 {
     uint8_t buf[8];

@@ -88,7 +88,7 @@ def check(tool, proof, sources):
     flags = [f for f in proof.flags if f != "--any-floats"]
     rooms = sorted({str(SRC / Path(s).parent) for s in proof.sources})
     command = [tool, str(proof.file), *map(str, sources), "--function", proof.name, "-I", str(HERE),
-               "-I", str(ROOT / "firmware/include"), *(x for r in rooms for x in ("-I", r)), *checks, *flags,
+               "--include-file", str(HERE / "offsetof.h"), "-I", str(ROOT / "firmware/include"), *(x for r in rooms for x in ("-I", r)), *checks, *flags,
                "--memlimit", MEMORY]
     with tempfile.TemporaryFile("w+", errors="replace") as out:
         run = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, preexec_fn=limit)

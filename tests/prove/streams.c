@@ -4,7 +4,7 @@
 #include "prove.h"
 
 /* PROVE imu_decode: increments of any bytes; what is given lies in its bounds
- * sources wire/imu_frame.c wire/bitio.c base/bits.c
+ * sources wire/imu_frame.c base/bits.c
  * flags --any-floats --unwind 42 -DPEL_MAX_OBS=8
  * plant wire/imu_frame.c: imu->t_ns > 0 && imu->t_ns => imu->t_ns */
 void imu_decode(void)
@@ -32,9 +32,9 @@ void rawimusx_decode(void)
 }
 
 /* PROVE out_used: a payload of any length; wrong ones change nothing
- * sources wire/out_reports.c wire/bitio.c base/bits.c
+ * sources wire/out_reports.c wire/pelorus_frame.c base/bits.c
  * flags --any-floats --unwind 100 -DPEL_MAX_OBS=8
- * plant wire/bitio.c: n_bytes > io->cap - io->n => n_bytes > io->cap - io->n + 1u */
+ * plant wire/pelorus_frame.c: if (n != pel_members_bytes(m, n_members)) { return PEL_E_FORMAT; } => (void)n; */
 void out_used(void)
 {
     const size_t n = any_size();
@@ -49,9 +49,9 @@ void out_used(void)
 }
 
 /* PROVE out_used_encode: into a buffer of any size
- * sources wire/out_reports.c wire/bitio.c base/bits.c wire/pelorus_frame.c
+ * sources wire/out_reports.c wire/pelorus_frame.c base/bits.c
  * flags --any-floats --unwind 100 -DPEL_MAX_OBS=8
- * plant wire/bitio.c: n_bytes > io->cap - io->n => n_bytes > io->cap - io->n + 12u */
+ * plant wire/pelorus_frame.c: if (cap < n + PEL_OUT_OVERHEAD) { return 0; } => (void)cap; */
 void out_used_encode(void)
 {
     const size_t cap = any_size();
@@ -62,9 +62,9 @@ void out_used_encode(void)
 }
 
 /* PROVE out_counters: a payload of any length
- * sources wire/out_reports.c wire/bitio.c base/bits.c
+ * sources wire/out_reports.c wire/pelorus_frame.c base/bits.c
  * flags --unwind 12 -DPEL_MAX_OBS=8
- * plant wire/bitio.c: n_bytes > io->cap - io->n => n_bytes > io->cap - io->n + 1u */
+ * plant wire/out_reports.c: if (n != COUNTERS_PAYLOAD) { return PEL_E_FORMAT; } => (void)n; */
 void out_counters(void)
 {
     pel_nav_counters_t nav;
@@ -77,9 +77,9 @@ void out_counters(void)
 }
 
 /* PROVE out_event: a payload of any length
- * sources wire/out_solution.c wire/bitio.c base/bits.c
- * flags --any-floats --unwind 12 -DPEL_MAX_OBS=8
- * plant wire/bitio.c: n_bytes > io->cap - io->n => n_bytes > io->cap - io->n + 1u */
+ * sources wire/out_solution.c wire/pelorus_frame.c base/bits.c
+ * flags --any-floats --unwind 40 -DPEL_MAX_OBS=8
+ * plant wire/pelorus_frame.c: if (n != pel_members_bytes(m, n_members)) { return PEL_E_FORMAT; } => (void)n; */
 void out_event(void)
 {
     pel_event_t e;
@@ -90,9 +90,9 @@ void out_event(void)
 }
 
 /* PROVE out_solution: a payload of any length
- * sources wire/out_solution.c wire/bitio.c base/bits.c
- * flags --any-floats --unwind 12 -DPEL_MAX_OBS=8
- * plant wire/bitio.c: n_bytes > io->cap - io->n => n_bytes > io->cap - io->n + 1u */
+ * sources wire/out_solution.c wire/pelorus_frame.c base/bits.c
+ * flags --any-floats --unwind 40 -DPEL_MAX_OBS=8
+ * plant wire/pelorus_frame.c: if (n != pel_members_bytes(m, n_members)) { return PEL_E_FORMAT; } => (void)n; */
 void out_solution(void)
 {
     pel_solution_t s;

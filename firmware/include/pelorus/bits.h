@@ -90,6 +90,27 @@ static inline double pel_f64_from_bits(uint64_t bits)
     return x;
 }
 
+/* Members of a struct in the order of their bytes: numbers of 1, 2, 4 or 8 bytes, integer or IEEE 754, alone or in arrays. */
+typedef struct {
+    uint8_t bytes, count;
+    uint16_t at; /* offset in the struct */
+} pel_member_t;
+
+#define PEL_MEMBER(type, m)                                                                                            \
+    {                                                                                                                  \
+        sizeof(((type *)0)->m), 1, offsetof(type, m)                                                                   \
+    }
+#define PEL_ARRAY(type, m)                                                                                             \
+    {                                                                                                                  \
+        sizeof(((type *)0)->m[0]), sizeof(((type *)0)->m) / sizeof(((type *)0)->m[0]), offsetof(type, m)               \
+    }
+#define PEL_COUNT(table) (sizeof(table) / sizeof((table)[0]))
+
+/* n members: their bytes together; out of a struct; into one. The buffer is large enough by the caller's word. put and get return the bytes. */
+size_t pel_members_bytes(const pel_member_t m[], size_t n);
+size_t pel_members_put(const pel_member_t m[], size_t n, const void *from, uint8_t *out);
+size_t pel_members_get(const pel_member_t m[], size_t n, const uint8_t *in, void *to);
+
 /* Nearest integer, ties away from zero; |x| < 2^62, else (or NaN) INT64_MIN, which no field can hold. */
 int64_t pel_round_i64(double x);
 

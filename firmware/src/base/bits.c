@@ -164,6 +164,63 @@ void pel_le_put_f64(uint8_t *p, double value)
     pel_le_put(p, 8, pel_f64_bits(value));
 }
 
+size_t pel_members_bytes(const pel_member_t m[], size_t n)
+{
+    size_t bytes = 0;
+    for (size_t i = 0; i < n; i++) { bytes += (size_t)m[i].bytes * m[i].count; }
+    return bytes;
+}
+
+/* A number of 1, 2, 4 or 8 bytes in memory, in whatever order the machine has them. */
+static uint64_t load(const uint8_t *p, unsigned bytes)
+{
+    uint16_t v16;
+    uint32_t v32;
+    uint64_t v64;
+    switch (bytes) {
+    case 1: return *p;
+    case 2: memcpy(&v16, p, sizeof v16); return v16;
+    case 4: memcpy(&v32, p, sizeof v32); return v32;
+    default: memcpy(&v64, p, sizeof v64); return v64;
+    }
+}
+
+static void store(uint8_t *p, unsigned bytes, uint64_t v)
+{
+    const uint16_t v16 = (uint16_t)v;
+    const uint32_t v32 = (uint32_t)v;
+    switch (bytes) {
+    case 1: *p = (uint8_t)v; break;
+    case 2: memcpy(p, &v16, sizeof v16); break;
+    case 4: memcpy(p, &v32, sizeof v32); break;
+    default: memcpy(p, &v, sizeof v); break;
+    }
+}
+
+size_t pel_members_put(const pel_member_t m[], size_t n, const void *from, uint8_t *out)
+{
+    uint8_t *at = out;
+    for (const pel_member_t *f = m; f < m + n; f++) {
+        const uint8_t *p = (const uint8_t *)from + f->at;
+        for (unsigned k = 0; k < f->count; k++, p += f->bytes, at += f->bytes) {
+            pel_le_put(at, f->bytes, load(p, f->bytes));
+        }
+    }
+    return (size_t)(at - out);
+}
+
+size_t pel_members_get(const pel_member_t m[], size_t n, const uint8_t *in, void *to)
+{
+    const uint8_t *at = in;
+    for (const pel_member_t *f = m; f < m + n; f++) {
+        uint8_t *p = (uint8_t *)to + f->at;
+        for (unsigned k = 0; k < f->count; k++, p += f->bytes, at += f->bytes) {
+            store(p, f->bytes, pel_le_u(at, f->bytes));
+        }
+    }
+    return (size_t)(at - in);
+}
+
 int64_t pel_round_i64(double x)
 {
     const double limit = 4611686018427387904.0; /* 2^62 */

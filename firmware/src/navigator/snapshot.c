@@ -18,135 +18,75 @@
 #define STILL_MIN_NS   (3 * PEL_NS_PER_S)
 #define LARGEST_ERROR  100.0 /* of a sensor, rad/s or m/s^2: beyond what any product measures */
 
-/* ---- one layout, both directions: each function visits its fields in order --------------------------------------------- */
+/* ---- the layout ------------------------------------------------------------------------------------------------------------ */
 
-typedef struct {
-    uint8_t *out; /* writing */
-    const uint8_t *in;
-    size_t n;
-    bool possible; /* every number read so far is finite */
-} io_t;
+static const pel_member_t STATE[] = {
+    PEL_MEMBER(pel_snapshot_t, config_hash), PEL_MEMBER(pel_snapshot_t, mount_hash),
+    PEL_MEMBER(pel_snapshot_t, t_ns),        PEL_MEMBER(pel_snapshot_t, still_s),
+    PEL_ARRAY(pel_snapshot_t, r_ea_e),       PEL_ARRAY(pel_snapshot_t, v_eb_e),
+    PEL_ARRAY(pel_snapshot_t, theta_b_e),    PEL_ARRAY(pel_snapshot_t, cov_r_e),
+    PEL_ARRAY(pel_snapshot_t, cov_psi_e),    PEL_ARRAY(pel_snapshot_t, error),
+    PEL_ARRAY(pel_snapshot_t, sd_error),
+};
+/* Here: is there a station? Then: */
+static const pel_member_t STATION[] = {PEL_MEMBER(pel_snapshot_t, station.id),
+                                       PEL_ARRAY(pel_snapshot_t, station.r_ea_e)};
 
-static void put_u(io_t *io, unsigned bytes, uint64_t *v)
+static const pel_member_t EPHEMERIS[] = {
+    PEL_MEMBER(pel_ephemeris_t, sys),      PEL_MEMBER(pel_ephemeris_t, prn),   PEL_MEMBER(pel_ephemeris_t, health),
+    PEL_MEMBER(pel_ephemeris_t, source),   PEL_MEMBER(pel_ephemeris_t, iode),  PEL_MEMBER(pel_ephemeris_t, iodc),
+    PEL_MEMBER(pel_ephemeris_t, sd_ura_m), PEL_MEMBER(pel_ephemeris_t, fit_s), PEL_MEMBER(pel_ephemeris_t, toe_ns),
+    PEL_MEMBER(pel_ephemeris_t, toc_ns),   PEL_MEMBER(pel_ephemeris_t, af0),   PEL_MEMBER(pel_ephemeris_t, af1),
+    PEL_MEMBER(pel_ephemeris_t, af2),      PEL_ARRAY(pel_ephemeris_t, tgd_s),
+};
+static const pel_member_t KEPLER[] = {
+    PEL_MEMBER(pel_ephemeris_t, sqrt_a), PEL_MEMBER(pel_ephemeris_t, e),         PEL_MEMBER(pel_ephemeris_t, i0),
+    PEL_MEMBER(pel_ephemeris_t, Omega0), PEL_MEMBER(pel_ephemeris_t, omega),     PEL_MEMBER(pel_ephemeris_t, M0),
+    PEL_MEMBER(pel_ephemeris_t, dn),     PEL_MEMBER(pel_ephemeris_t, Omega_dot), PEL_MEMBER(pel_ephemeris_t, idot),
+    PEL_MEMBER(pel_ephemeris_t, cuc),    PEL_MEMBER(pel_ephemeris_t, cus),       PEL_MEMBER(pel_ephemeris_t, crc),
+    PEL_MEMBER(pel_ephemeris_t, crs),    PEL_MEMBER(pel_ephemeris_t, cic),       PEL_MEMBER(pel_ephemeris_t, cis),
+};
+/* In the place of the Kepler elements; then zeros and, behind them, the channel. */
+static const pel_member_t GLONASS[] = {PEL_ARRAY(pel_ephemeris_t, glo.r_e), PEL_ARRAY(pel_ephemeris_t, glo.v_e),
+                                       PEL_ARRAY(pel_ephemeris_t, glo.a_e)};
+#define CHANNEL_AT (PEL_SNAPSHOT_EPH_BYTES - 1u)
+
+static size_t put_state(const pel_snapshot_t *s, uint8_t *out)
 {
-    if (io->out != NULL) {
-        pel_le_put(io->out + io->n, bytes, *v);
+    size_t n = pel_members_put(STATE, PEL_COUNT(STATE), s, out);
+    out[n++] = s->have_station ? 1 : 0;
+    return n + pel_members_put(STATION, PEL_COUNT(STATION), s, out + n);
+}
+
+static size_t get_state(const uint8_t *in, pel_snapshot_t *s)
+{
+    size_t n = pel_members_get(STATE, PEL_COUNT(STATE), in, s);
+    s->have_station = in[n++] != 0;
+    return n + pel_members_get(STATION, PEL_COUNT(STATION), in + n, s);
+}
+
+static void put_ephemeris(const pel_ephemeris_t *e, uint8_t out[PEL_SNAPSHOT_EPH_BYTES])
+{
+    memset(out, 0, PEL_SNAPSHOT_EPH_BYTES);
+    const size_t n = pel_members_put(EPHEMERIS, PEL_COUNT(EPHEMERIS), e, out);
+    if (e->sys == PEL_SYS_GLO) {
+        (void)pel_members_put(GLONASS, PEL_COUNT(GLONASS), e, out + n);
+        out[CHANNEL_AT] = (uint8_t)e->glo.k;
     } else {
-        *v = pel_le_u(io->in + io->n, bytes);
-    }
-    io->n += bytes;
-}
-
-static void u8(io_t *io, uint8_t *v)
-{
-    uint64_t wide = *v;
-    put_u(io, 1, &wide);
-    *v = (uint8_t)wide;
-}
-
-static void u16(io_t *io, uint16_t *v)
-{
-    uint64_t wide = *v;
-    put_u(io, 2, &wide);
-    *v = (uint16_t)wide;
-}
-
-static void u32(io_t *io, uint32_t *v)
-{
-    uint64_t wide = *v;
-    put_u(io, 4, &wide);
-    *v = (uint32_t)wide;
-}
-
-static void i64(io_t *io, int64_t *v)
-{
-    uint64_t wide = (uint64_t)*v;
-    put_u(io, 8, &wide);
-    *v = (int64_t)wide;
-}
-
-static void f32(io_t *io, float *v, int count)
-{
-    for (int i = 0; i < count; i++, io->n += 4) {
-        if (io->out != NULL) {
-            pel_le_put_f32(io->out + io->n, v[i]);
-        } else {
-            v[i] = pel_le_f32(io->in + io->n);
-            io->possible = io->possible && pel_isfinite((double)v[i]);
-        }
+        (void)pel_members_put(KEPLER, PEL_COUNT(KEPLER), e, out + n);
     }
 }
 
-static void f64(io_t *io, double *v, int count)
+static void get_ephemeris(const uint8_t in[PEL_SNAPSHOT_EPH_BYTES], pel_ephemeris_t *e)
 {
-    for (int i = 0; i < count; i++, io->n += 8) {
-        if (io->out != NULL) {
-            pel_le_put_f64(io->out + io->n, v[i]);
-        } else {
-            v[i] = pel_le_f64(io->in + io->n);
-            io->possible = io->possible && pel_isfinite(v[i]);
-        }
+    memset(e, 0, sizeof *e);
+    const size_t n = pel_members_get(EPHEMERIS, PEL_COUNT(EPHEMERIS), in, e);
+    if (e->sys == PEL_SYS_GLO) {
+        (void)pel_members_get(GLONASS, PEL_COUNT(GLONASS), in + n, e);
+        e->glo.k = (int8_t)in[CHANNEL_AT];
+    } else {
+        (void)pel_members_get(KEPLER, PEL_COUNT(KEPLER), in + n, e);
     }
-}
-
-static void head_fields(io_t *io, uint32_t *magic, uint16_t *version, uint16_t *length, uint32_t *sequence)
-{
-    u32(io, magic);
-    u16(io, version);
-    u16(io, length);
-    u32(io, sequence);
-}
-
-static void state_fields(io_t *io, pel_snapshot_t *s)
-{
-    uint8_t have_station = s->have_station ? 1 : 0;
-    u32(io, &s->config_hash);
-    u32(io, &s->mount_hash);
-    i64(io, &s->t_ns);
-    f32(io, &s->still_s, 1);
-    f64(io, s->r_ea_e, 3);
-    f64(io, s->v_eb_e, 3);
-    f64(io, s->theta_b_e, 3);
-    f32(io, s->cov_r_e, 6);
-    f32(io, s->cov_psi_e, 6);
-    f64(io, s->error, 9);
-    f32(io, s->sd_error, 9);
-    u8(io, &have_station);
-    u16(io, &s->station.id);
-    f64(io, s->station.r_ea_e, 3);
-    s->have_station = have_station != 0;
-}
-
-static void ephemeris_fields(io_t *io, pel_ephemeris_t *e)
-{
-    double elements[15] = {0};
-    u8(io, &e->sys);
-    u8(io, &e->prn);
-    u8(io, &e->health);
-    u8(io, &e->source);
-    u16(io, &e->iode);
-    u16(io, &e->iodc);
-    f32(io, &e->sd_ura_m, 1);
-    f32(io, &e->fit_s, 1);
-    i64(io, &e->toe_ns);
-    i64(io, &e->toc_ns);
-    f64(io, &e->af0, 1);
-    f64(io, &e->af1, 1);
-    f64(io, &e->af2, 1);
-    f64(io, e->tgd_s, 2);
-    double *const kepler[15] = {&e->sqrt_a, &e->e,   &e->i0,  &e->Omega0, &e->omega, &e->M0,  &e->dn, &e->Omega_dot,
-                                &e->idot,   &e->cuc, &e->cus, &e->crc,    &e->crs,   &e->cic, &e->cis};
-    double *const glonass[9] = {&e->glo.r_e[0], &e->glo.r_e[1], &e->glo.r_e[2], &e->glo.v_e[0], &e->glo.v_e[1],
-                                &e->glo.v_e[2], &e->glo.a_e[0], &e->glo.a_e[1], &e->glo.a_e[2]};
-    const bool glo = e->sys == PEL_SYS_GLO;
-    double *const *const field = glo ? glonass : kepler;
-    const int n = glo ? 9 : 15;
-    uint8_t channel = glo ? (uint8_t)e->glo.k : 0;
-    for (int i = 0; i < n; i++) { elements[i] = *field[i]; }
-    f64(io, elements, 15);
-    u8(io, &channel);
-    for (int i = 0; i < n; i++) { *field[i] = elements[i]; }
-    if (glo) { e->glo.k = (int8_t)channel; }
 }
 
 /* ---- what it was made under -------------------------------------------------------------------------------------------- */
@@ -221,21 +161,18 @@ size_t pel_snapshot_encode(const pel_navigator_t *nav, uint32_t sequence, uint8_
     const size_t room = (cap - PEL_SNAPSHOT_BYTES) / PEL_SNAPSHOT_EPH_BYTES;
     const int n = (room < (size_t)nav->orbits.n) ? (int)room : nav->orbits.n;
     pel_snapshot_t s;
-    io_t io = {.out = out};
-    uint32_t magic = MAGIC;
-    uint16_t version = PEL_SNAPSHOT_VERSION;
-    uint16_t length = (uint16_t)(PEL_SNAPSHOT_BYTES + (size_t)n * PEL_SNAPSHOT_EPH_BYTES);
-    uint8_t count = (uint8_t)n;
     take(nav, &s);
-    head_fields(&io, &magic, &version, &length, &sequence);
-    state_fields(&io, &s);
-    u8(&io, &count);
-    for (int i = 0; i < n; i++) { /* the newest are the last */
-        pel_ephemeris_t e = nav->orbits.eph[nav->orbits.n - 1 - i];
-        ephemeris_fields(&io, &e);
+    pel_le_put(out, 4, MAGIC);
+    pel_le_put(out + 4, 2, PEL_SNAPSHOT_VERSION);
+    pel_le_put(out + 6, 2, (uint64_t)PEL_SNAPSHOT_BYTES + (uint64_t)n * PEL_SNAPSHOT_EPH_BYTES);
+    pel_le_put(out + 8, 4, sequence);
+    size_t at = HEAD_BYTES + put_state(&s, out + HEAD_BYTES);
+    out[at++] = (uint8_t)n;
+    for (int i = 0; i < n; i++, at += PEL_SNAPSHOT_EPH_BYTES) { /* the newest are the last */
+        put_ephemeris(&nav->orbits.eph[nav->orbits.n - 1 - i], out + at);
     }
-    pel_le_put(out + io.n, CRC_BYTES, pel_crc32_novatel(out, io.n));
-    return io.n + CRC_BYTES;
+    pel_le_put(out + at, CRC_BYTES, pel_crc32_novatel(out, at));
+    return at + CRC_BYTES;
 }
 
 bool pel_snapshot_is_due(const pel_navigator_t *nav, pel_time_t last_ns)
@@ -266,25 +203,22 @@ pel_snap_t pel_snapshot_check(const uint8_t *bytes, size_t n, uint32_t *sequence
 {
     if (is_erased(bytes, n)) { return PEL_SNAP_NONE; }
     if (n < HEAD_BYTES + CRC_BYTES) { return PEL_SNAP_DAMAGED; }
-    io_t io = {.in = bytes};
-    uint32_t magic = 0, order = 0;
-    uint16_t version = 0, length = 0;
-    head_fields(&io, &magic, &version, &length, &order);
-    if (magic != MAGIC || length < HEAD_BYTES + CRC_BYTES || length > n ||
+    const size_t length = (size_t)pel_le_u(bytes + 6, 2);
+    if (pel_le_u(bytes, 4) != MAGIC || length < HEAD_BYTES + CRC_BYTES || length > n ||
         pel_le_u(bytes + length - CRC_BYTES, CRC_BYTES) != pel_crc32_novatel(bytes, length - CRC_BYTES)) {
         return PEL_SNAP_DAMAGED;
     }
-    if (version != PEL_SNAPSHOT_VERSION) { return PEL_SNAP_NEWER; }
-    *sequence = order;
+    if (pel_le_u(bytes + 4, 2) != PEL_SNAPSHOT_VERSION) { return PEL_SNAP_NEWER; }
+    *sequence = (uint32_t)pel_le_u(bytes + 8, 4);
     return PEL_SNAP_WAITING;
 }
 
 static bool covariance_is_possible(const float P[6], double largest)
 {
-    const int diagonal[3] = {0, 3, 5};
-    for (int k = 0; k < 3; k++) {
-        const double var = (double)P[diagonal[k]];
-        if (!(var > 0.0 && var < largest)) { return false; }
+    for (int k = 0; k < 6; k++) {
+        const double p = (double)P[k];
+        const bool diagonal = k == 0 || k == 3 || k == 5;
+        if (!(pel_fabs(p) < largest) || (diagonal && !(p > 0.0))) { return false; }
     }
     return true;
 }
@@ -292,7 +226,10 @@ static bool covariance_is_possible(const float P[6], double largest)
 static bool is_possible(const pel_snapshot_t *s)
 {
     const double r = pel_norm3(s->r_ea_e);
-    if (s->t_ns <= 0 || !(r > 6.3e6 && r < 7.4e6) || !(s->still_s >= 0.0f)) { return false; }
+    if (s->t_ns <= 0 || !(r > 6.3e6 && r < 7.4e6) || !(s->still_s >= 0.0f && pel_isfinite((double)s->still_s)) ||
+        !pel_isfinite(pel_norm3(s->station.r_ea_e))) {
+        return false;
+    }
     if (!(pel_norm3(s->theta_b_e) < 4.0 && pel_norm3(s->v_eb_e) < 1e4)) { return false; }
     for (int i = 0; i < 9; i++) {
         if (!(pel_fabs(s->error[i]) < LARGEST_ERROR && s->sd_error[i] > 0.0f &&
@@ -311,13 +248,11 @@ static pel_snap_t judge_bytes(const pel_navigator_t *nav, const uint8_t *bytes, 
     if (whole != PEL_SNAP_WAITING) { return whole; }
     const size_t length = (size_t)pel_le_u(bytes + 6, 2);
     if (length < PEL_SNAPSHOT_BYTES) { return PEL_SNAP_BAD_VALUE; }
-    io_t io = {.in = bytes, .n = HEAD_BYTES, .possible = true};
-    uint8_t count = 0;
-    state_fields(&io, s);
-    u8(&io, &count);
-    *first_eph = io.n;
+    size_t at = HEAD_BYTES + get_state(bytes + HEAD_BYTES, s);
+    const uint8_t count = bytes[at++];
+    *first_eph = at;
     if (length != PEL_SNAPSHOT_BYTES + (size_t)count * PEL_SNAPSHOT_EPH_BYTES) { return PEL_SNAP_BAD_VALUE; }
-    if (!io.possible || !is_possible(s)) { return PEL_SNAP_BAD_VALUE; }
+    if (!is_possible(s)) { return PEL_SNAP_BAD_VALUE; }
     if (s->mount_hash != hash_mount(&nav->cfg)) { return PEL_SNAP_REMOUNTED; }
     if (s->config_hash != hash_config(&nav->cfg)) { return PEL_SNAP_FOREIGN; }
     return PEL_SNAP_WAITING;
@@ -338,11 +273,9 @@ pel_snap_t pel_snapshot_restore(pel_navigator_t *nav, const uint8_t *bytes, size
     }
     nav->warm.kept = s;
     if (s.have_station) { pel_navigator_push_station(nav, &s.station); }
-    io_t io = {.in = bytes, .n = at, .possible = true};
-    for (int i = bytes[at - 1]; i > 0; i--) {
+    for (int i = bytes[at - 1]; i > 0; i--, at += PEL_SNAPSHOT_EPH_BYTES) {
         pel_ephemeris_t e;
-        memset(&e, 0, sizeof e);
-        ephemeris_fields(&io, &e);
+        get_ephemeris(bytes + at, &e);
         pel_navigator_push_ephemeris(nav, &e);
     }
     return verdict;

@@ -66,26 +66,11 @@ void pel_io_u(pel_bitio_t *io, unsigned n_bits, uint32_t *v);
 void pel_io_fill(pel_bitio_t *io, unsigned n_bits, uint64_t v);               /* written as v, skipped when read */
 void pel_io_signed(pel_bitio_t *io, unsigned n_bits, double unit, double *v); /* two's complement */
 
-/* The same for little-endian payloads. */
-typedef struct {
-    uint8_t *out;      /* writing */
-    const uint8_t *in; /* reading */
-    size_t cap, n;
-    bool failed; /* ran past the end */
-} pel_leio_t;
-
-void pel_leio_read(pel_leio_t *io, const uint8_t *p, size_t n);
-void pel_leio_write(pel_leio_t *io, uint8_t *p, size_t cap);
-void pel_le_io_u8(pel_leio_t *io, uint8_t *v);
-void pel_le_io_u16(pel_leio_t *io, uint16_t *v);
-void pel_le_io_u32(pel_leio_t *io, uint32_t *v);
-void pel_le_io_i32(pel_leio_t *io, int32_t *v);
-void pel_le_io_i64(pel_leio_t *io, int64_t *v);
-void pel_le_io_f32(pel_leio_t *io, float *v, int n);
-void pel_le_io_f64(pel_leio_t *io, double *v, int n);
-
 /* Pelorus frame around a payload already at out + 6. Returns its length, 0 if it does not fit. */
 size_t pel_out_seal(uint8_t id, size_t n_payload, uint8_t *out, size_t cap);
+/* Pelorus frame whose payload is these members. Decode: PEL_E_FORMAT and nothing changed unless n is their length. */
+size_t pel_out_encode(uint8_t id, const pel_member_t m[], size_t n_members, const void *from, uint8_t *out, size_t cap);
+pel_status_t pel_out_decode(const pel_member_t m[], size_t n_members, const uint8_t *payload, size_t n, void *to);
 /* UBX frame around a payload already at out + 6. */
 size_t pel_ubx_seal(uint8_t cls, uint8_t id, size_t n_payload, uint8_t *out, size_t cap);
 /* RTCM 3 frame around n_bits already written at out + 3. */

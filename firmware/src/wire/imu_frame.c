@@ -15,43 +15,40 @@ bool pel_imu_plausible(const pel_imu_t *imu)
     return imu->dt_s > 0.0 && imu->dt_s < 4.29 && imu->t_ns > 0 && imu->t_ns < PEL_TIME_LAST;
 }
 
-static void fields(pel_leio_t *io, pel_imu_t *imu)
+/* Increment i of six: three angles, three velocities. */
+static double unit_pow2(int i)
 {
-    uint32_t dt_ns = (uint32_t)pel_round_i64(imu->dt_s * 1e9);
-    pel_le_io_i64(io, &imu->t_ns);
-    pel_le_io_u32(io, &dt_ns);
-    pel_le_io_u16(io, &imu->seq);
-    pel_le_io_u16(io, &imu->flags);
-    imu->dt_s = (double)dt_ns * 1e-9;
-    for (int i = 0; i < 6; i++) {
-        double *const v = (i < 3) ? &imu->alpha_ib_b[i] : &imu->upsilon_ib_b[i - 3];
-        const int pow2 = (i < 3) ? ALPHA_POW2 : UPSILON_POW2;
-        int64_t raw = pel_round_i64(*v * pel_pow2(-pow2));
-        /* a value just inside the bound rounds to it */
-        if (raw > INT32_MAX) { raw = INT32_MAX; }
-        if (raw < -INT32_MAX) { raw = -INT32_MAX; }
-        int32_t count = (int32_t)raw;
-        pel_le_io_i32(io, &count);
-        *v = (double)count * pel_pow2(pow2);
-    }
+    return pel_pow2((i < 3) ? ALPHA_POW2 : UPSILON_POW2);
 }
 
 size_t pel_imu_encode(const pel_imu_t *imu, uint8_t *out, size_t cap)
 {
-    pel_imu_t copy = *imu;
-    pel_leio_t io;
     if (!pel_imu_plausible(imu) || cap < PEL_IMU_PAYLOAD + PEL_OUT_OVERHEAD) { return 0; }
-    pel_leio_write(&io, out + 6, PEL_IMU_PAYLOAD);
-    fields(&io, &copy);
-    return pel_out_seal(PEL_OUT_IMU, io.n, out, cap);
+    pel_le_put(out + 6, 8, (uint64_t)imu->t_ns);
+    pel_le_put(out + 14, 4, (uint64_t)pel_round_i64(imu->dt_s * 1e9));
+    pel_le_put(out + 18, 2, imu->seq);
+    pel_le_put(out + 20, 2, imu->flags);
+    for (int i = 0; i < 6; i++) {
+        int64_t count = pel_round_i64(((i < 3) ? imu->alpha_ib_b[i] : imu->upsilon_ib_b[i - 3]) / unit_pow2(i));
+        /* a value just inside the bound rounds to it */
+        if (count > INT32_MAX) { count = INT32_MAX; }
+        if (count < -INT32_MAX) { count = -INT32_MAX; }
+        pel_le_put(out + 22 + 4 * i, 4, (uint64_t)count);
+    }
+    return pel_out_seal(PEL_OUT_IMU, PEL_IMU_PAYLOAD, out, cap);
 }
 
 bool pel_imu_decode(const uint8_t *payload, pel_imu_t *imu)
 {
-    pel_leio_t io;
     *imu = (pel_imu_t){0};
-    pel_leio_read(&io, payload, PEL_IMU_PAYLOAD);
-    fields(&io, imu);
+    imu->t_ns = pel_le_s(payload, 8);
+    imu->dt_s = (double)(uint32_t)pel_le_u(payload + 8, 4) * 1e-9;
+    imu->seq = (uint16_t)pel_le_u(payload + 12, 2);
+    imu->flags = (uint16_t)pel_le_u(payload + 14, 2);
+    for (int i = 0; i < 6; i++) {
+        double *const v = (i < 3) ? &imu->alpha_ib_b[i] : &imu->upsilon_ib_b[i - 3];
+        *v = (double)(int32_t)pel_le_s(payload + 16 + 4 * i, 4) * unit_pow2(i);
+    }
     return pel_imu_plausible(imu);
 }
 

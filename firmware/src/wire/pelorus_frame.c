@@ -29,6 +29,21 @@ size_t pel_out_seal(uint8_t id, size_t n_payload, uint8_t *out, size_t cap)
     return n_payload + PEL_OUT_OVERHEAD;
 }
 
+size_t pel_out_encode(uint8_t id, const pel_member_t m[], size_t n_members, const void *from, uint8_t *out, size_t cap)
+{
+    const size_t n = pel_members_bytes(m, n_members);
+    if (cap < n + PEL_OUT_OVERHEAD) { return 0; }
+    (void)pel_members_put(m, n_members, from, out + 6);
+    return pel_out_seal(id, n, out, cap);
+}
+
+pel_status_t pel_out_decode(const pel_member_t m[], size_t n_members, const uint8_t *payload, size_t n, void *to)
+{
+    if (n != pel_members_bytes(m, n_members)) { return PEL_E_FORMAT; }
+    (void)pel_members_get(m, n_members, payload, to);
+    return PEL_OK;
+}
+
 void pel_out_reader_init(pel_out_reader_t *r)
 {
     memset(r, 0, sizeof *r);
