@@ -19,11 +19,6 @@ bool pel_view_near_earth(const double r_e[3])
     return r > 6.3e6 && r < 7.4e6; /* false for NaN */
 }
 
-static bool in_view(const pel_view_t *view, const pel_obs_t *obs)
-{
-    return pel_view_find(view, obs->sys, obs->prn) != NULL;
-}
-
 /* The satellite when it sent what the receiver tagged: tag - P/c is that instant by the satellite's clock. Leaving
  * relativity out of that clock moves the satellite by 0.2 mm at most, the same for two receivers. */
 static bool satellite_at_transmission(pel_time_t tag_ns, double P_m, const pel_ephemeris_t *eph, pel_sight_t *s)
@@ -85,7 +80,7 @@ void pel_view_orbits(const pel_epoch_t *e, const pel_orbits_t *o, pel_time_t t_o
     for (int i = 0; i < e->n && i < PEL_MAX_OBS; i++) {
         const pel_obs_t *obs = &e->obs[i];
         if (obs->sys >= PEL_N_SYS || (sys_mask & (1u << obs->sys)) == 0u) { continue; }
-        if (!first_code_of_satellite(e, i) || in_view(view, obs)) { continue; }
+        if (!first_code_of_satellite(e, i)) { continue; }
         const pel_ephemeris_t *eph = pel_orbits_find(o, obs->sys, obs->prn, t_orbit_ns);
         if (eph == NULL) {
             count->sats_no_eph++;

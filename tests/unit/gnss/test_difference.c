@@ -261,6 +261,195 @@ static void the_nearest_base_epoch_is_paired(void)
     TEST_ASSERT_DOUBLE_WITHIN(1e-12, -5.0, age);
 }
 
+/* ---- what a pair of observations has in common --------------------------------------------------------------------------------- */
+
+static const pel_sd_t *row_of(uint8_t prn, uint8_t carrier)
+{
+    for (int i = 0; i < set.n; i++) {
+        if (set.sd[i].prn == prn && set.sd[i].carrier == carrier) { return &set.sd[i]; }
+    }
+    return NULL;
+}
+
+static void form(void)
+{
+    (void)pel_sd_form(&rover, &rover_view, &base, &base_view, &noise, 0.0, &set);
+}
+
+static pel_obs_t *of(pel_epoch_t *e, uint8_t prn, uint8_t carrier)
+{
+    int i = 0;
+    while (e->obs[i].prn != prn || e->obs[i].carrier != carrier) { i++; }
+    return &e->obs[i];
+}
+
+/* Both receivers see this satellite of GPS well; it is no pivot. */
+static uint8_t observe_one(void)
+{
+    observe(0.0, GPS);
+    form();
+    TEST_ASSERT_FALSE(set.sd[1].pivot);
+    return set.sd[1].prn;
+}
+
+/* Parts that one of the two lacks are not in the row; a row of no part is none. */
+static void a_row_has_what_both_have(void)
+{
+    static const struct {
+        uint8_t rover, base;
+        bool row, code, phase, rate;
+    } parts[] = {
+        {7, 7, true, true, true, true},   {7, 6, true, false, true, true},    {7, 5, true, true, false, true},
+        {7, 3, true, true, true, false},  {1, 7, true, true, false, false},   {2, 7, true, false, true, false},
+        {4, 7, true, false, false, true}, {3, 4, false, false, false, false}, {0, 7, false, false, false, false}};
+    for (size_t i = 0; i < sizeof parts / sizeof parts[0]; i++) {
+        const uint8_t prn = observe_one();
+        of(&rover, prn, PEL_CARRIER_L2)->flags = parts[i].rover;
+        of(&base, prn, PEL_CARRIER_L2)->flags = parts[i].base;
+        form();
+        const pel_sd_t *d = row_of(prn, PEL_CARRIER_L2);
+        TEST_ASSERT_EQUAL_INT(parts[i].row, d != NULL);
+        if (d == NULL) { continue; }
+        TEST_ASSERT_EQUAL_INT(parts[i].code, d->has_code && d->var_code > 0.0);
+        TEST_ASSERT_EQUAL_INT(parts[i].phase, d->has_phase && d->var_phase > 0.0);
+        TEST_ASSERT_EQUAL_INT(parts[i].rate, d->has_rate && d->var_rate > 0.0);
+    }
+}
+
+static void a_receiver_alone_has_a_row_for_any_part(void)
+{
+    static const uint8_t PARTS[] = {1, 2, 4, 7, 0};
+    for (int i = 0; i < 5; i++) {
+        const uint8_t prn = observe_one();
+        of(&rover, prn, PEL_CARRIER_L2)->flags = PARTS[i];
+        TEST_ASSERT_EQUAL(PEL_OK, pel_sd_undifferenced(&rover, &rover_view, &noise, &set));
+        const pel_sd_t *d = row_of(prn, PEL_CARRIER_L2);
+        TEST_ASSERT_EQUAL_INT(PARTS[i] != 0, d != NULL);
+        if (d == NULL) { continue; }
+        TEST_ASSERT_EQUAL_INT((PARTS[i] & 1) != 0, d->var_code > 0.0);
+        TEST_ASSERT_EQUAL_INT((PARTS[i] & 4) != 0, d->var_rate > 0.0);
+    }
+    observe(0.0, GPS);
+    TEST_ASSERT_EQUAL(PEL_OK, pel_sd_undifferenced(&rover, &rover_view, &noise, &set));
+    const int n = set.n;
+    rover_view.sight[0].excluded = true; /* refused as a satellite: both carriers */
+    TEST_ASSERT_EQUAL(PEL_OK, pel_sd_undifferenced(&rover, &rover_view, &noise, &set));
+    TEST_ASSERT_EQUAL_INT(n - 2, set.n);
+}
+
+static void a_half_cycle_open_at_the_base_is_open_in_the_row(void)
+{
+    const uint8_t prn = observe_one();
+    of(&base, prn, PEL_CARRIER_L2)->flags |= PEL_OBS_HALF_CYCLE;
+    form();
+    TEST_ASSERT_TRUE(row_of(prn, PEL_CARRIER_L2)->half);
+    TEST_ASSERT_FALSE(row_of(prn, PEL_CARRIER_L1)->half);
+}
+
+static void a_signal_that_the_base_lacks_is_no_row(void)
+{
+    const uint8_t prn = observe_one();
+    const int n = set.n;
+    *of(&base, prn, PEL_CARRIER_L2) = base.obs[base.n - 1];
+    base.n--;
+    form();
+    TEST_ASSERT_EQUAL_INT(n - 1, set.n);
+    TEST_ASSERT_NULL(row_of(prn, PEL_CARRIER_L2));
+    TEST_ASSERT_NOT_NULL(row_of(prn, PEL_CARRIER_L1));
+}
+
+static void ephemerides_differ_by_age_issue_or_message(void)
+{
+    for (int i = 0; i < 4; i++) {
+        const uint8_t prn = observe_one();
+        int k = 0;
+        while (base_view.sight[k].prn != prn) { k++; }
+        pel_sight_t *s = &base_view.sight[k];
+        s->iode = (uint16_t)(s->iode + (i == 1));
+        s->toe_gps_s += (i == 2);
+        s->source = (uint8_t)(s->source + (i == 3));
+        form();
+        TEST_ASSERT_EQUAL_INT(i == 0, row_of(prn, PEL_CARRIER_L1) != NULL);
+    }
+}
+
+static void the_channel_of_glonass_tells_one_satellite_from_another(void)
+{
+    const uint8_t prn = observe_one();
+    of(&base, prn, PEL_CARRIER_L1)->glo_k = 3;
+    form();
+    TEST_ASSERT_NULL(row_of(prn, PEL_CARRIER_L1));
+    TEST_ASSERT_NOT_NULL(row_of(prn, PEL_CARRIER_L2));
+}
+
+/* Two codes at the rover, others at the base: the first of its own has to do, and the satellite has one row. */
+static void codes_that_are_not_shared_are_paired_in_their_order(void)
+{
+    const uint8_t prn = observe_one();
+    const int n = set.n;
+    pel_obs_t *r = of(&rover, prn, PEL_CARRIER_L1), *b = of(&base, prn, PEL_CARRIER_L1);
+    r->code = 'X';
+    rover.obs[rover.n] = *r;
+    rover.obs[rover.n++].code = 'Y';
+    b->code = 'A';
+    base.obs[base.n] = *b;
+    base.obs[base.n].code = 'B';
+    base.obs[base.n++].L_cyc += 1000.0;
+    double code, phase, rate;
+    form();
+    departures(&code, &phase, &rate);
+    TEST_ASSERT_TRUE(phase < 1e-4); /* A against X: B is a thousand cycles off */
+    TEST_ASSERT_EQUAL_INT(n, set.n);
+    TEST_ASSERT_NOT_NULL(row_of(prn, PEL_CARRIER_L1));
+}
+
+/* Another of the rover's codes counts only if the base has that one, of this satellite and on this carrier. */
+static void a_code_elsewhere_is_better_only_if_the_base_has_it(void)
+{
+    static const struct {
+        char code;
+        uint8_t sys;
+        int8_t glo_k;
+        bool better;
+    } others[] = {{'C', PEL_SYS_GPS, 0, true},
+                  {'Z', PEL_SYS_GPS, 0, false},
+                  {'C', PEL_SYS_GPS, 5, false},
+                  {'C', PEL_SYS_GAL, 0, false}};
+    for (int i = 0; i < 4; i++) {
+        const uint8_t prn = observe_one();
+        pel_obs_t *r = of(&rover, prn, PEL_CARRIER_L1);
+        rover.obs[rover.n] = *r;
+        rover.obs[rover.n].code = others[i].code;
+        rover.obs[rover.n].sys = others[i].sys;
+        rover.obs[rover.n].glo_k = others[i].glo_k;
+        rover.obs[rover.n++].L_cyc += 0.25; /* it tells who is in the row */
+        r->code = 'X';
+        form();
+        const pel_sd_t *d = row_of(prn, PEL_CARRIER_L1), *pivot = &set.sd[0];
+        TEST_ASSERT_NOT_NULL(d);
+        const double N = (d->phase_m - pivot->phase_m) / d->lambda_m;
+        TEST_ASSERT_DOUBLE_WITHIN(1e-3, others[i].better ? 0.25 : 0.0, N - floor(N + 1e-2));
+    }
+}
+
+/* Lengths that epochs say they have but cannot, and sets that are full. */
+static void more_than_there_is_room_for_is_left_out(void)
+{
+    const uint8_t prn = observe_one();
+    const int n = set.n;
+    const pel_obs_t filler = {.sys = PEL_SYS_GAL, .prn = 1, .carrier = PEL_CARRIER_L5, .glo_k = 9};
+    for (int i = rover.n; i < PEL_MAX_OBS; i++) { rover.obs[i] = filler; }
+    for (int i = base.n; i < PEL_MAX_OBS; i++) { base.obs[i] = filler; }
+    of(&rover, prn, PEL_CARRIER_L1)->code = 'X'; /* look through all of both for a better code */
+    rover.n = base.n = UINT16_MAX;
+    form();
+    TEST_ASSERT_EQUAL_INT(n, set.n);
+    for (int i = 0; i < PEL_MAX_OBS; i++) { set.sd[i] = (pel_sd_t){.sys = PEL_SYS_GAL, .prn = 1}; }
+    set.n = PEL_MAX_OBS;
+    TEST_ASSERT_EQUAL(PEL_E_MISSING, pel_sd_add_missing(&rover, &rover_view, &base, &base_view, &noise, 0.0, &set));
+    TEST_ASSERT_EQUAL_INT(PEL_MAX_OBS, set.n);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -273,5 +462,15 @@ int main(void)
     RUN_TEST(a_receiver_alone_gives_the_same_rows);
     RUN_TEST(gps_and_qzss_share_a_clock_for_a_receiver_alone);
     RUN_TEST(the_nearest_base_epoch_is_paired);
+    RUN_TEST(form);
+    RUN_TEST(a_row_has_what_both_have);
+    RUN_TEST(a_receiver_alone_has_a_row_for_any_part);
+    RUN_TEST(a_half_cycle_open_at_the_base_is_open_in_the_row);
+    RUN_TEST(a_signal_that_the_base_lacks_is_no_row);
+    RUN_TEST(ephemerides_differ_by_age_issue_or_message);
+    RUN_TEST(the_channel_of_glonass_tells_one_satellite_from_another);
+    RUN_TEST(codes_that_are_not_shared_are_paired_in_their_order);
+    RUN_TEST(a_code_elsewhere_is_better_only_if_the_base_has_it);
+    RUN_TEST(more_than_there_is_room_for_is_left_out);
     return UNITY_END();
 }

@@ -269,6 +269,174 @@ static void moving_a_view_is_computing_it_anew(void)
     }
 }
 
+/* ---- edges ------------------------------------------------------------------------------------------------------------------------ */
+
+static void first_carriers_are_taken_in_whatever_order_they_come(void)
+{
+    const scene_t s = scene_default();
+    scene_observe(&s, &o, SKY_T0, GPS, &e);
+    for (int i = 0; i + 1 < e.n; i += 2) { /* L2 first, with a code that is wrong */
+        const pel_obs_t swap = e.obs[i];
+        e.obs[i] = e.obs[i + 1];
+        e.obs[i + 1] = swap;
+        e.obs[i].P_m += 400.0 * (i % 3);
+    }
+    TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+    TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 0.01);
+}
+
+static void a_prior_that_is_nowhere_is_not_begun_with(void)
+{
+    const scene_t s = scene_default();
+    scene_observe(&s, &o, SKY_T0, GPS, &e);
+    pel_spp_t prior;
+    memset(&prior, 0, sizeof prior);
+    static const double PLACES[] = {0.0, NAN, 1e9};
+    for (int i = 0; i < 3; i++) {
+        prior.r_ea_e[1] = PLACES[i];
+        TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&e, &o, &cfg, &prior, &count, &view, &out));
+        TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 0.01);
+    }
+}
+
+/* One satellite more than unknowns shows a fault, and cannot say whose it is. */
+static void with_one_satellite_to_spare_a_fault_is_told_but_not_found(void)
+{
+    const scene_t s = scene_default();
+    scene_observe(&s, &o, SKY_T0, GPS, &e);
+    e.n = 10;
+    e.obs[4].P_m += 3000.0;
+    TEST_ASSERT_EQUAL(PEL_W_REJECTED, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+    TEST_ASSERT_EQUAL_INT(0, out.n_excluded);
+    TEST_ASSERT_EQUAL_INT(5, out.n_used);
+    TEST_ASSERT_TRUE(out.rms_m > 5.0);
+}
+
+/* An antenna on a spacecraft: codes that fit, at a place that no receiver of this kind has. */
+static void a_place_above_the_earth_is_none(void)
+{
+    scene_t s = scene_default();
+    s.atmosphere = false;
+    for (int k = 0; k < 3; k++) { s.r_e[k] *= 1.3; }
+    scene_observe(&s, &o, SKY_T0, ALL, &e);
+    const pel_spp_t before = out;
+    TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+    TEST_ASSERT_EQUAL_MEMORY(&before, &out, sizeof out);
+}
+
+/* Codes of no place at all: refused one way or another, never believed. */
+static void codes_at_random_are_never_believed(void)
+{
+    uint32_t dice = 1;
+    int not_converged = 0;
+    const scene_t s = scene_default();
+    for (int trial = 0; trial < 400; trial++) {
+        scene_observe(&s, &o, SKY_T0, GPS, &e);
+        for (int i = 0; i < e.n; i++) {
+            dice = dice * 1664525u + 1013904223u;
+            e.obs[i].P_m = 1.1e7 + 4.8e7 * (double)(dice >> 8) / 16777216.0;
+            e.obs[i].carrier = (i % 2 == 0) ? PEL_CARRIER_L1 : PEL_CARRIER_L2;
+        }
+        e.n = (trial % 2 == 0) ? 8 : 14;
+        const pel_status_t status = pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out);
+        not_converged += status == PEL_E_NO_CONVERGENCE;
+        TEST_ASSERT_TRUE(status != PEL_OK || e.n == 8 || out.rms_m > 100.0); /* four fit any place */
+    }
+    printf("of 400 at random: %d without convergence\n", not_converged);
+    TEST_ASSERT_TRUE(not_converged > 0);
+}
+
+static void a_velocity_that_is_none_is_not_given(void)
+{
+    const scene_t s = scene_default();
+    scene_observe(&s, &o, SKY_T0, GPS, &e);
+    (void)pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out);
+    const pel_view_t sights = view;
+    for (int i = 0; i < e.n; i++) { /* as if the antenna moved with twelve kilometres a second */
+        const pel_sight_t *sight = pel_view_find(&sights, e.obs[i].sys, e.obs[i].prn);
+        if (sight == NULL) { continue; }
+        e.obs[i].D_hz += (float)(12000.0 * sight->u_e[0] / pel_obs_lambda_m(&e.obs[i]));
+    }
+    TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+    TEST_ASSERT_FALSE(out.has_velocity);
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, out.v_ea_e[0]);
+    TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 0.01);
+}
+
+static void an_epoch_that_says_it_is_longer_than_it_can_be_is_cut(void)
+{
+    const scene_t s = scene_default();
+    scene_observe(&s, &o, SKY_T0, GPS, &e);
+    e.n = UINT16_MAX;
+    TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+    TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 0.01);
+}
+
+/* ---- which satellites are seen ------------------------------------------------------------------------------------------------------ */
+
+/* QZSS says by its lowest bit of health only something of a signal that is not used. */
+static void health_is_of_the_signals_that_are_used(void)
+{
+    static const struct {
+        uint8_t sys, health;
+        bool seen;
+    } of[] = {{PEL_SYS_GPS, 0, true},
+              {PEL_SYS_GPS, 1, false},
+              {PEL_SYS_QZS, 0, true},
+              {PEL_SYS_QZS, 1, true},
+              {PEL_SYS_QZS, 2, false}};
+    const scene_t s = scene_default();
+    for (int i = 0; i < 5; i++) {
+        sky_init(&o);
+        scene_observe(&s, &o, SKY_T0, GPS, &e);
+        pel_ephemeris_t eph = *pel_orbits_find(&o, PEL_SYS_GPS, e.obs[0].prn, SKY_T0);
+        pel_orbits_init(&o);
+        eph.sys = of[i].sys;
+        eph.prn = 2;
+        eph.health = of[i].health;
+        TEST_ASSERT_EQUAL(PEL_OK, pel_orbits_add(&o, &eph));
+        e.obs[0].sys = of[i].sys;
+        e.obs[0].prn = 2;
+        e.n = 1;
+        memset(&count, 0, sizeof count);
+        TEST_ASSERT_EQUAL(of[i].seen ? PEL_OK : PEL_E_MISSING,
+                          pel_view_compute(&e, &o, SKY_T0, s.r_e, NULL, 0.0, &count, &view));
+        TEST_ASSERT_EQUAL_UINT32(!of[i].seen, count.sats_unhealthy);
+    }
+}
+
+/* An orbit that says it is good for days, of a kind that can be carried for an hour. */
+static void an_orbit_that_cannot_be_carried_so_far_is_none(void)
+{
+    const scene_t s = scene_default();
+    pel_orbits_t glonass;
+    pel_orbits_init(&glonass);
+    sky_add_glonass(&glonass);
+    pel_orbits_init(&o);
+    for (int i = 0; i < glonass.n; i++) {
+        glonass.eph[i].fit_s = 1e5f;
+        TEST_ASSERT_EQUAL(PEL_OK, pel_orbits_add(&o, &glonass.eph[i]));
+    }
+    scene_observe(&s, &o, SKY_T0, 1u << PEL_SYS_GLO, &e);
+    TEST_ASSERT_EQUAL(PEL_OK, pel_view_compute(&e, &o, SKY_T0, s.r_e, NULL, 0.0, &count, &view));
+    e.t_ns += 7200 * PEL_NS_PER_S;
+    memset(&count, 0, sizeof count);
+    TEST_ASSERT_EQUAL(PEL_E_MISSING, pel_view_compute(&e, &o, e.t_ns, s.r_e, NULL, 0.0, &count, &view));
+    TEST_ASSERT_EQUAL_UINT32(e.n / 2u, count.sats_no_eph);
+}
+
+static void systems_that_are_not_asked_for_take_no_part(void)
+{
+    const scene_t s = scene_default();
+    scene_observe(&s, &o, SKY_T0, ALL, &e);
+    cfg.sys_mask = GPS;
+    TEST_ASSERT_EQUAL(PEL_OK, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+    for (int i = 0; i < view.n; i++) { TEST_ASSERT_EQUAL_INT(PEL_SYS_GPS, view.sight[i].sys); }
+    TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 0.01);
+    for (int i = 0; i < e.n; i++) { e.obs[i].sys = PEL_N_SYS; }
+    TEST_ASSERT_EQUAL(PEL_E_MISSING, pel_spp_solve(&e, &o, &cfg, NULL, &count, &view, &out));
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -285,5 +453,15 @@ int main(void)
     RUN_TEST(more_satellites_than_room_are_dropped_and_counted);
     RUN_TEST(a_view_from_nowhere_is_refused);
     RUN_TEST(moving_a_view_is_computing_it_anew);
+    RUN_TEST(first_carriers_are_taken_in_whatever_order_they_come);
+    RUN_TEST(a_prior_that_is_nowhere_is_not_begun_with);
+    RUN_TEST(with_one_satellite_to_spare_a_fault_is_told_but_not_found);
+    RUN_TEST(a_place_above_the_earth_is_none);
+    RUN_TEST(codes_at_random_are_never_believed);
+    RUN_TEST(a_velocity_that_is_none_is_not_given);
+    RUN_TEST(an_epoch_that_says_it_is_longer_than_it_can_be_is_cut);
+    RUN_TEST(health_is_of_the_signals_that_are_used);
+    RUN_TEST(an_orbit_that_cannot_be_carried_so_far_is_none);
+    RUN_TEST(systems_that_are_not_asked_for_take_no_part);
     return UNITY_END();
 }
