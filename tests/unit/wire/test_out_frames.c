@@ -173,30 +173,6 @@ static void a_snapshot_verdict_returns(void)
     TEST_ASSERT_EQUAL_INT(PEL_E_FORMAT, pel_out_decode_warm(frame + 6, n - PEL_OUT_OVERHEAD - 1, &back));
 }
 
-/* A field that does not fit is not written or read, nor is a shorter one behind it that would. */
-static void a_layout_never_leaves_its_buffer(void)
-{
-    uint8_t p[8] = {1, 2, 3, 4, 5, 6, 7, 8};
-    pel_leio_t io;
-    uint32_t word = 0x0D0C0B0A;
-    uint8_t byte = 99;
-    pel_leio_write(&io, p, 6);
-    pel_le_io_u32(&io, &word);
-    TEST_ASSERT_FALSE(io.failed);
-    pel_le_io_u32(&io, &word);
-    pel_le_io_u8(&io, &byte);
-    TEST_ASSERT_TRUE(io.failed);
-    TEST_ASSERT_EQUAL_HEX8_ARRAY(((const uint8_t[]){0x0A, 0x0B, 0x0C, 0x0D, 5, 6, 7, 8}), p, 8);
-    pel_leio_read(&io, p, 6);
-    pel_le_io_u32(&io, &word);
-    word = 0;
-    pel_le_io_u32(&io, &word);
-    pel_le_io_u8(&io, &byte);
-    TEST_ASSERT_TRUE(io.failed);
-    TEST_ASSERT_EQUAL_UINT32(0, word);
-    TEST_ASSERT_EQUAL_UINT8(99, byte);
-}
-
 /* A payload of another length than its own is refused and leaves what was there; a buffer one byte too short takes nothing. */
 static void lengths_are_exact(void)
 {
@@ -268,7 +244,6 @@ int main(void)
     RUN_TEST(used_counters_and_events_return);
     RUN_TEST(a_snapshot_verdict_returns);
     RUN_TEST(satellites_return);
-    RUN_TEST(a_layout_never_leaves_its_buffer);
     RUN_TEST(lengths_are_exact);
     RUN_TEST(a_report_of_satellites_is_as_long_as_its_count_says);
     RUN_TEST(the_reader_finds_frames_among_text);
