@@ -31,6 +31,15 @@ def test_every_board_links_firmware_that_holds_its_promises(board):
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+def test_a_known_miss_may_neither_grow_nor_outlive_itself():
+    what, (most, _) = next(iter(sizes.KNOWN_MISSES.items()))
+    limit = most // 2
+    assert sizes.wrong([(what, most, limit), ("another", limit, limit)]) == []
+    assert "known up to" in sizes.wrong([(what, most + 1, limit)])[0]
+    assert "take it out" in sizes.wrong([(what, limit, limit)])[0]
+    assert "budget missed: another" in sizes.wrong([("another", limit + 1, limit)])[0]
+
+
 def report(folder, source, *flags):
     """The report on a firmware of one file; its name is the board's, its start is the linker script's."""
     (folder / "planted.c").write_text("void __attribute__((noipa)) firmware_main(void);\nvoid reset_handler(void) { firmware_main(); }\n" + source)

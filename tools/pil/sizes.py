@@ -1,7 +1,7 @@
 """make sizes: write docs/SIZES.md from what is linked and counted. --check: is it still true, and within the budgets?
 
 A number may have moved by 5 % before the page is stale. A budget that is missed is red unless it stands in KNOWN_MISSES, where each has
-its reason; the page shows it as missed.
+its reason and how far it may be missed; the page shows it as missed.
 """
 
 import argparse
@@ -16,15 +16,14 @@ M4F, M7, F405, RV32 = BOARDS = ("mps2-an386", "mps2-an500", "stm32f405", "rv32-v
 ROOMS = ("base", "math", "earth", "wire", "gnss", "inertial", "model", "filter", "observe", "ambiguity", "attitude", "integrity", "tracking", "navigator")
 TOLERANCE = 0.05
 
+# Budgets that are missed: how far they may be, and why they are.
 KNOWN_MISSES = {
-    "code of the library": "every format, preset and system is linked; on the M4F each double operation is a call",
-    "navigator": "the IMU ring and the workspace of the integers are a third of it",
-    "stack": "the workspace of the filter's time update is 4.0 KB of it, for any number of states",
-    "inertial, filter, rows a second": "differences, slips, screening and the way back to the present are in it, not rows alone",
-    "scalar update, dense row, 18 states": "GNSS rows leave the sensor states out and are within theirs",
-    "scalar update, dense row, 24 states": "the same",
-    "integers 6": "what is taken in and factored is double, which the M4F computes in software; n = 40 is within",
-    "integers 20": "the same",
+    "code of the library": (160000, "every format, preset and system is linked; on the M4F each double operation is a call"),
+    "navigator": (51500, "the IMU ring and the workspace of the integers are a third of it"),
+    "inertial, filter, rows a second": (4850000, "rows and time updates are a third of it; strapdown, slips, differences, screening, checks of memory, the way "
+                                                 "back to the present and outputs are in it too"),
+    "integers 6": (11900, "taking in, the factor of 59 bits and the exact norms of two vectors are two thirds of it; n = 40 is within"),
+    "integers 20": (105500, "the same"),
 }
 
 BUDGETS = []  # (what, value, budget): filled while the page is made
@@ -125,7 +124,9 @@ def page():
     linked = {b: measure.Linked(b) for b in BOARDS}
     loads = {b: measure.Load(b) for b in (M4F, M7)}
     load = loads[M4F]
-    known = "\n".join(f"- {what}: {why}" for what, why in KNOWN_MISSES.items())
+    of_budgets = budgets(linked, loads)
+    missed = [what for what, value, limit in BUDGETS if value > limit]
+    known = "\n".join(f"- {what}: {KNOWN_MISSES[what][1] if what in KNOWN_MISSES else 'not known yet'}" for what in missed)
     return f"""# What it costs
 
 Written by `make sizes`; the tests hold it against what is linked and counted, and are red when it is stale or a budget newly missed. Sizes of
@@ -135,7 +136,7 @@ Compilers: {'; '.join(measure.compilers())}.
 
 ## Budgets of the design
 
-{budgets(linked, loads)}
+{of_budgets}
 The navigator is sized with `{measure.SMALL}`.
 
 Missed, and why:
@@ -182,13 +183,25 @@ def stale(old, new):
     return bad
 
 
+def wrong(measured):
+    """What is red about budgets as (what, value, budget): missed unknown or more than known, or known as missed and met."""
+    lines = []
+    for what, value, limit in measured:
+        most = KNOWN_MISSES[what][0] if what in KNOWN_MISSES else limit
+        if value > max(most, limit):
+            lines.append(f"budget missed: {what}: {value} of {limit}" + (f", known up to {most}" if what in KNOWN_MISSES else ""))
+        elif value <= limit and what in KNOWN_MISSES:
+            lines.append(f"budget met: {what}: {value} of {limit}; take it out of KNOWN_MISSES")
+    return lines
+
+
 def main():
     parser = argparse.ArgumentParser(prog="make sizes")
     parser.add_argument("--check", action="store_true", help="write nothing; fail if the page is stale or a budget newly missed")
     check = parser.parse_args().check
     new = page()
     missed = [f"{what}: {value} of {limit}" for what, value, limit in BUDGETS if value > limit]
-    unknown = [line for line in missed if line.split(":")[0] not in KNOWN_MISSES]
+    red = wrong(BUDGETS)
     old = PAGE.read_text() if PAGE.exists() else ""
     if not check:
         PAGE.write_text(new)
@@ -200,10 +213,10 @@ def main():
         print("docs/SIZES.md was written with other compilers: its numbers are not compared")
     for line in bad:
         print(f"stale:\n{line}")
-    for line in unknown:
-        print(f"budget missed: {line}")
-    print("docs/SIZES.md: " + ("make sizes writes it anew" if bad or unknown else "true" if same_tools else "not compared; no budget newly missed"))
-    return 1 if bad or unknown else 0
+    for line in red:
+        print(line)
+    print("docs/SIZES.md: " + ("make sizes writes it anew" if bad or red else "true" if same_tools else "not compared; no budget newly missed"))
+    return 1 if bad or red else 0
 
 
 if __name__ == "__main__":
