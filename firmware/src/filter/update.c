@@ -231,22 +231,42 @@ static inline void add_squares(const pel_real a[3], pel_real d, block_sum_t *s)
     s->s22 += a[2] * a[2] * d;
 }
 
+/* The columns that end in the block itself, where rows of one or both are cut off by the diagonal. */
+static void begin_block(const pel_ud_t *ud, int i, int j, block_sum_t *s)
+{
+    const int first = (i > j) ? i : j;
+    pel_real a[3];
+    pel_real b[3];
+    s->s00 = s->s01 = s->s02 = s->s10 = s->s11 = s->s12 = s->s20 = s->s21 = s->s22 = PEL_R(0.0);
+    for (int k = first; k < first + 3; k++) {
+        three_rows(&ud->U[column(k)], i, k, a);
+        three_rows(&ud->U[column(k)], j, k, b);
+        add_products(a, b, ud->D[k], s);
+    }
+}
+
+static void begin_diagonal(const pel_ud_t *ud, int i, block_sum_t *s)
+{
+    const pel_real u01 = ud->U[column(i + 1) + i];
+    const pel_real u02 = ud->U[column(i + 2) + i];
+    const pel_real u12 = ud->U[column(i + 2) + i + 1];
+    const pel_real d1 = ud->D[i + 1];
+    const pel_real d2 = ud->D[i + 2];
+    s->s00 = ud->D[i] + u01 * u01 * d1 + u02 * u02 * d2;
+    s->s01 = u01 * d1 + u02 * u12 * d2;
+    s->s02 = u02 * d2;
+    s->s11 = d1 + u12 * u12 * d2;
+    s->s12 = u12 * d2;
+    s->s22 = d2;
+}
+
 void pel_ud_block3(const pel_ud_t *ud, int i, int j, double P[3][3])
 {
     block_sum_t s;
-    s.s00 = s.s01 = s.s02 = s.s10 = s.s11 = s.s12 = s.s20 = s.s21 = s.s22 = PEL_R(0.0);
-    pel_real a[3];
-    pel_real b[3];
-    int k = (i > j) ? i : j; /* columns before it have nothing in one of the two */
-    const int full = k + 3;
+    int k = ((i > j) ? i : j) + 3;
     const pel_real *u = &ud->U[column(k)];
-    for (; k < full; k++) {
-        three_rows(u, i, k, a);
-        three_rows(u, j, k, b);
-        add_products(a, b, ud->D[k], &s);
-        u += k;
-    }
     if (i == j) {
+        begin_diagonal(ud, i, &s);
         for (; k < ud->n; k++) {
             add_squares(&u[i], ud->D[k], &s);
             u += k;
@@ -254,10 +274,12 @@ void pel_ud_block3(const pel_ud_t *ud, int i, int j, double P[3][3])
         s.s10 = s.s01;
         s.s20 = s.s02;
         s.s21 = s.s12;
-    }
-    for (; k < ud->n; k++) {
-        add_products(&u[i], &u[j], ud->D[k], &s);
-        u += k;
+    } else {
+        begin_block(ud, i, j, &s);
+        for (; k < ud->n; k++) {
+            add_products(&u[i], &u[j], ud->D[k], &s);
+            u += k;
+        }
     }
     P[0][0] = (double)s.s00;
     P[0][1] = (double)s.s01;
