@@ -70,8 +70,8 @@ static void list_pairs(pel_amb_cascade_t *c, const pel_amb_problem_t *p)
     uint64_t taken = 0;
     int group = -1;
     int second = -1;
-    int room = PEL_AMB_GROUPS / 2; /* each pair of groups becomes two groups of the narrow-lane problem */
-    for (int i = 0; i < p->n_rows && c->n_pairs < PEL_CASCADE_PAIRS; i++) {
+    int room = PEL_AMB_GROUPS / 2;        /* each pair of groups becomes two groups of the narrow-lane problem */
+    for (int i = 0; i < p->n_rows; i++) { /* no row is in two pairs */
         const pel_amb_row_t *row = &p->row[i];
         if (!row->integer || ((taken >> i) & 1u) != 0) { continue; }
         const int j = partner(p, i);

@@ -58,11 +58,11 @@ static void add(pel_ovt_t *o, uint8_t sat, double lambda_m, int group, int64_t N
 static void replace(pel_ovt_t *o, const pel_amb_problem_t *p, const int64_t *N)
 {
     o->n = 0;
-    for (int g = 0; g < p->n_groups && g < PEL_AMB_GROUPS; g++) {
+    for (int g = 0; g < p->n_groups; g++) {
         const double lambda_m = wavelength(p, g);
         if (lambda_m > 0.0) { add(o, p->group[g].sat, lambda_m, g, 0); }
     }
-    for (int i = 0; i < p->n_rows && i < PEL_MAX_AMB; i++) {
+    for (int i = 0; i < p->n_rows; i++) {
         const pel_amb_row_t *row = &p->row[i];
         if (row->integer) { add(o, row->sat, row->lambda_m, row->group, N[i]); }
     }
@@ -71,10 +71,10 @@ static void replace(pel_ovt_t *o, const pel_amb_problem_t *p, const int64_t *N)
 void pel_ovt_push(pel_ovt_t *o, const pel_amb_problem_t *p, const int64_t *N, int needed, pel_ovt_verdict_t *v)
 {
     *v = (pel_ovt_verdict_t){.sat_changed = -1};
-    for (int g = 0; o->epochs > 0 && g < p->n_groups && g < PEL_AMB_GROUPS; g++) {
+    for (int g = 0; o->epochs > 0 && g < p->n_groups; g++) {
         common_t c = {.reference = NOT_THERE};
         compare(o, p->group[g].sat, wavelength(p, g), 0, &c, v);
-        for (int i = 0; i < p->n_rows && i < PEL_MAX_AMB; i++) {
+        for (int i = 0; i < p->n_rows; i++) {
             const pel_amb_row_t *row = &p->row[i];
             if (row->integer && row->group == g) { compare(o, row->sat, row->lambda_m, N[i], &c, v); }
         }

@@ -103,6 +103,48 @@ static void too_few_common_satellites_say_nothing(void)
     TEST_ASSERT_FALSE(v.passed);
 }
 
+/* Two groups of one carrier, each with satellites of its own: what they had in common is not known. */
+static void satellites_of_different_groups_are_not_compared(void)
+{
+    static pel_amb_problem_t p;
+    int64_t N[PEL_MAX_AMB] = {5, 6, 7, 8};
+    memset(&p, 0, sizeof p);
+    for (int i = 0; i < 4; i++) {
+        p.row[p.n_rows++] =
+            (pel_amb_row_t){.group = (uint8_t)(i / 2), .sat = (uint8_t)(10 + i), .integer = true, .lambda_m = 0.19};
+    }
+    p.n_groups = 2;
+    p.group[0].sat = 1;
+    p.group[1].sat = 2;
+    pel_ovt_push(&ovt, &p, N, 2, &v);
+    for (int i = 0; i < 4; i++) { p.row[i].group = 0; } /* all against satellite 1 now */
+    p.n_groups = 1;
+    N[2] = N[3] = 99;
+    pel_ovt_push(&ovt, &p, N, 2, &v);
+    TEST_ASSERT_EQUAL_INT(2, v.n_compared); /* the two that were of its group */
+    TEST_ASSERT_EQUAL_INT(-1, v.sat_changed);
+}
+
+/* Rows without integers say nothing, and a group of such rows has no carrier. */
+static void what_is_not_an_integer_is_not_remembered(void)
+{
+    static pel_amb_problem_t p;
+    int64_t N[PEL_MAX_AMB] = {5, 6, 7, 8};
+    memset(&p, 0, sizeof p);
+    for (int i = 0; i < 4; i++) {
+        p.row[p.n_rows++] =
+            (pel_amb_row_t){.group = (uint8_t)(i / 2), .sat = (uint8_t)(10 + i), .integer = i == 1, .lambda_m = 0.19};
+    }
+    p.n_groups = 2;
+    p.group[0].sat = 1;
+    p.group[1].sat = 2;
+    pel_ovt_push(&ovt, &p, N, 2, &v);
+    TEST_ASSERT_EQUAL_INT(2, ovt.n); /* the pivot of the first group and one row */
+    pel_ovt_push(&ovt, &p, N, 2, &v);
+    TEST_ASSERT_EQUAL_INT(1, v.n_compared);
+    TEST_ASSERT_EQUAL_INT32(1, v.epochs); /* too few to count as agreement */
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -110,5 +152,7 @@ int main(void)
     RUN_TEST(a_change_of_one_cycle_restarts_the_count);
     RUN_TEST(a_new_pivot_is_no_change);
     RUN_TEST(too_few_common_satellites_say_nothing);
+    RUN_TEST(satellites_of_different_groups_are_not_compared);
+    RUN_TEST(what_is_not_an_integer_is_not_remembered);
     return UNITY_END();
 }

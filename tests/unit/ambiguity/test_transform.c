@@ -237,12 +237,16 @@ static void bad_input_and_caps_are_told(void)
     Q[1] = 0.05;
     in.k = NAN;
     TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_transform_solve(&in, &out));
+    in.k = 100.1;
+    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_transform_solve(&in, &out));
     in.k = 0.01; /* nothing this near */
     TEST_ASSERT_EQUAL(PEL_W_REJECTED, pel_transform_solve(&in, &out));
     in.k = 100.0;
     Q[0] = Q[2] = 1e6;
     TEST_ASSERT_EQUAL(PEL_W_BUDGET, pel_transform_solve(&in, &out));
     TEST_ASSERT_EQUAL_INT32(PEL_TRANSFORM_NODES, out.nodes);
+    Q[0] = 1e12;
+    TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_transform_solve(&in, &out));
     in.region = PEL_TRANSFORM_SPHERE;
     in.metric = Q;
     TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_transform_solve(&in, &out));
@@ -250,6 +254,9 @@ static void bad_input_and_caps_are_told(void)
     double metric[PEL_TRI(4)] = {7.0};
     TEST_ASSERT_EQUAL(PEL_E_GEOMETRY, pel_transform_phase_metric(4, g, 0.86, 1.0, false, metric));
     TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_transform_phase_metric(3, g, 0.86, 1.0, false, metric));
+    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_transform_phase_metric(PEL_TRANSFORM_MAX + 1, g, 0.86, 1.0, false, metric));
+    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_transform_phase_metric(4, g, 0.0, 1.0, false, metric));
+    TEST_ASSERT_EQUAL(PEL_E_RANGE, pel_transform_phase_metric(4, g, 0.86, NAN, false, metric));
     TEST_ASSERT_DOUBLE_WITHIN(0.0, 7.0, metric[0]);
 }
 
