@@ -34,3 +34,11 @@ def test_a_scenario_is_changed_where_it_is_told_and_nowhere_else():
     assert scenario.edited(text, {"a": "7"}).startswith("a = 7\n[x]\na = 2")
     with pytest.raises(KeyError, match="x.c"):
         scenario.edited(text, {"x.c": "1"})
+
+
+def test_new_tables_of_a_page_take_the_place_of_those_of_their_cases():
+    a, b = CASES[:2]
+    old = "\n".join(f"\n{judge.title(c)} (`x`)\n\n| {n} |\n\nInnovations: {n}.\n" for c, n in ((a, 1), (b, 2)))
+    page = campaign.merged(old, [a, b], {judge.title(b): f"{judge.title(b)} (`x`)\n\n| 3 |\n"})
+    assert page.count("**") == 4 and page.index(judge.title(a)) < page.index(judge.title(b))
+    assert "| 1 |" in page and "| 2 |" not in page and "| 3 |" in page

@@ -4,7 +4,7 @@
 """
 
 import os
-import subprocess
+import re
 import sys
 import tempfile
 import tomllib
@@ -34,18 +34,16 @@ def campaign(cases, count, jobs, progress=None):
     return found
 
 
-def trials(rows):
-    """[(row, the line its program prints)]; each program runs once."""
-    printed = {}
-    for program in dict.fromkeys(r["program"] for r in rows):
-        path = fly.ROOT / "build" / "host" / "tests" / "unit" / program
-        printed[program] = subprocess.run([path], check=True, capture_output=True, text=True).stdout.splitlines()
-    return [(r, next(line.strip() for line in printed[r["program"]] if line.strip().startswith(r["line"] + ","))) for r in rows]
+def merged(old, cases, new):
+    """The page's tables, one a case in the order of the table: new ones ({title: text}) where there are, else those of before."""
+    before = {c: b for b in re.split(r"(?m)^(?=\*\*)", old) for c in map(judge.title, cases) if b.startswith(c)}
+    return "\n".join((new.get(t) or before[t]).strip() + "\n" for t in map(judge.title, cases) if t in new or t in before)
 
 
-def write(page, table):
+def write(page, cases, new):
     before, _, rest = page.read_text().partition(BEGIN)
-    page.write_text(f"{before}{BEGIN}\n\n{table}\n{END}{rest.partition(END)[2]}")
+    old, _, after = rest.partition(END)
+    page.write_text(f"{before}{BEGIN}\n\n{merged(old, cases, new)}\n{END}{after}")
 
 
 def body(argv):
@@ -53,7 +51,7 @@ def body(argv):
     p.add_argument("--only", default="", metavar="TEXT", help="cases whose system and name contain this")
     p.add_argument("--quick", action="store_true", help="the seeds of the tests; bounds hold for sigma, errors are held against it")
     p.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="N", help="processes (all cores)")
-    p.add_argument("--docs", metavar="FILE", help="write the tables into this page, if all of them were made")
+    p.add_argument("--docs", metavar="FILE", help="write the tables into this page, in place of those of the same cases")
     args = p.parse_args(argv)
     with TABLE.open("rb") as f:
         table = tomllib.load(f)
@@ -61,11 +59,10 @@ def body(argv):
     wanted = lambda c: args.only.lower() in f"{c['system']} {c['name']}".lower()
     cases = [c for c in table["case"] if wanted(c) and c[count] > 0]
     found = campaign(cases, count, args.jobs, cli.Progress("flights", args.quiet))
-    tried = trials([r for r in table["trial"] if wanted(r)]) if not args.quick else []
-    text = "\n".join([judge.words(case, f) for case, f in found] + ([judge.trial_words(tried)] if tried else []))
-    print(text)
-    if args.docs and not (args.only or args.quick):
-        write(Path(args.docs), text)
+    new = {judge.title(case): judge.words(case, f) for case, f in found}
+    print("\n".join(new.values()))
+    if args.docs and not args.quick:
+        write(Path(args.docs), table["case"], new)
     bad = [f"{case['system']} {case['name']}: {c}" for case, f in found for c in judge.complaints(case, f, args.quick)]
     print("\n".join(bad) if bad else f"{len(found)} cases within their bounds", file=sys.stderr)
     return cli.MISSED if bad else cli.DONE

@@ -71,11 +71,15 @@ def published(case, which, group):
     return " ".join("-" if math.isnan(v) else f"{v:g}" for v in case.get(which, {}).get(group, [])) or "-"
 
 
+def title(case):
+    return f"**{case['system']}, {case['name']}**"
+
+
 def words(case, found):
     """The case as a table of a page."""
     low, high = case["window_s"]
     least, most = nees_band(found["seeds"])
-    out = [f"**{case['system']}, {case['name']}** (`{case['scenario']}`, {found['seeds']} seeds, {low} to {high} s; east, north, up)", "",
+    out = [f"{title(case)} (`{case['scenario']}`, {found['seeds']} seeds, {low} to {high} s; east, north, up)", "",
            "| | attitude, arc seconds | velocity, m/s | position, m |", "|---|---|---|---|"]
     row = lambda name, cells: out.append(f"| {name} | " + " | ".join(cells) + " |")
     if "paper" in case:
@@ -96,12 +100,3 @@ def fixes(found):
         return ""
     return (f"Integers: {found['fixed']} of {found['epochs']} epochs fixed, the last flight from {found['first_fix_s']:.0f} s on, "
             f"{found['wrong']} wrong. ")
-
-
-def trial_words(rows):
-    """Trials of the filter alone, as their programs print them."""
-    out = ["**Trials without receivers**, as the unit test prints them", "", "| | ours | bound | paper |", "|---|---|---|---|"]
-    for row, line in rows:
-        ours = line.partition(", ")[2].partition(": ")
-        out.append(f"| {row['system']}, {row['name']} | {ours[0].split(', ')[-1]}: {ours[2]} | {row['bound']} | {row['paper'] or '-'} |")
-    return "\n".join(out + [""])
