@@ -40,6 +40,8 @@ ALL = {
     "leg": simulated("scenarios/s5_leg.toml", 90),
     "car": simulated("scenarios/car.toml", 60),
     "float": simulated("scenarios/s2_flight.toml", 60),
+    "geo3": simulated("scenarios/s3_static.toml", 40),
     "walk": recorded("walk-imu-ubx-2025", 40),
+    "phases": recorded("walk, with phases", 40),
     "geonet": recorded("geonet-0759-3040", 900),
 }

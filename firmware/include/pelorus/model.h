@@ -75,9 +75,6 @@ void pel_model_gnss(pel_model_t *m, const pel_imu_model_t *imu);
  * deviation: 16 + 2 n states, 20 with three satellites. n is cut to what PEL_MAX_STATES holds. */
 void pel_model_tdcp(pel_model_t *m, const pel_imu_model_t *imu, int n_offsets);
 
-/* The same with the antenna's error at the previous epoch in place of offsets (S3 6.2a): gyro, accelerometer, clone 6..8, psi, v, r, height. */
-void pel_model_tdcp_cloned(pel_model_t *m, const pel_imu_model_t *imu);
-
 /* Reference mode only: the 12 states of S3's paper, gyro, accelerometer, psi, v. No position, no gravity gradient: for comparison with what was
  * published, and worse than pel_model_tdcp() by a factor of six (docs/PRESETS.md). */
 void pel_model_tdcp_paper(pel_model_t *m, const pel_imu_model_t *imu);

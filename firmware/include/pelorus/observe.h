@@ -66,7 +66,7 @@ void pel_observe_rate(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_s
 void pel_observe_float(const pel_antenna_t *ant, const pel_sd_t *sat, const pel_sd_t *pivot, double dd_m, int i_state,
                        double scale, pel_row_t *row);
 
-/* Time difference of a DD phase against a cloned antenna error c (S3 6.2a; pel_model_tdcp_cloned).
+/* Time difference of a DD phase against a cloned antenna error c (S3 6.2a), three states of PEL_BLOCK_CLONE.
  *
  *  change_m  in  dd_m of now minus dd_m of the previous epoch, each observed minus predicted from its own antenna position
  *  i_clone   in  first of the three states of c, in front of psi
@@ -130,7 +130,7 @@ typedef struct {
     double u_e[3];
 } pel_tdcp_entry_t;
 
-/* 64 bytes a signal of PEL_MAX_OBS. Callers may read every field and write none. */
+/* 56 bytes a signal of PEL_MAX_OBS. Callers may read every field and write none. */
 typedef struct {
     int n;
     uint32_t slips;    /* found by this history, since pel_tdcp_init() */
@@ -165,7 +165,7 @@ void pel_tdcp_init(pel_tdcp_t *h);
  *
  * A change that differs from the median of its epoch (the receiver's clock) by more than max(lambda / 2, 6 sigma) is a slip, sigma^2 = sd_m^2 +
  * 2 var_phase. Of two phases that disagree both are slips; one alone cannot be judged and is new.
- * PEL_E_STALE (nothing changed, change[] not set): not newer than the last epoch. Cost: PEL_MAX_OBS^2 comparisons at worst; stack 1 KB. */
+ * PEL_E_STALE (nothing changed, change[] not set): not newer than the last epoch. Cost: PEL_MAX_OBS^2 comparisons at worst. */
 pel_status_t pel_tdcp_step(pel_tdcp_t *h, const pel_epoch_t *e, const pel_sd_set_t *set, double sd_m,
                            pel_tdcp_change_t change[PEL_MAX_OBS]);
 
@@ -174,7 +174,7 @@ void pel_tdcp_move(pel_tdcp_t *h, const double da_e[3]);
 
 /* ---- satellite clock and path from a static segment ------------------------------------------------------------------- */
 
-/* Sums of a least-squares polynomial of at most second order. 88 bytes; private but for n. */
+/* Sums of a least-squares polynomial of at most second order. 104 bytes; private but for n. */
 typedef struct {
     int n;
     double t0_s, s0_m;   /* first sample */

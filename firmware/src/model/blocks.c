@@ -57,14 +57,6 @@ void pel_model_tdcp(pel_model_t *m, const pel_imu_model_t *imu, int n_offsets)
     (void)pel_model_append(m, PEL_BLOCK_HEIGHT, 1);
 }
 
-void pel_model_tdcp_cloned(pel_model_t *m, const pel_imu_model_t *imu)
-{
-    static const pel_block_t order[] = {PEL_BLOCK_GYRO_CONSTANT, PEL_BLOCK_ACCEL_CONSTANT, PEL_BLOCK_CLONE,
-                                        PEL_BLOCK_ATTITUDE,      PEL_BLOCK_VELOCITY,       PEL_BLOCK_POSITION};
-    list(m, imu, order, sizeof order / sizeof order[0]);
-    (void)pel_model_append(m, PEL_BLOCK_HEIGHT, 1);
-}
-
 void pel_model_tdcp_paper(pel_model_t *m, const pel_imu_model_t *imu)
 {
     static const pel_block_t order[] = {PEL_BLOCK_GYRO_CONSTANT, PEL_BLOCK_ACCEL_CONSTANT, PEL_BLOCK_ATTITUDE,

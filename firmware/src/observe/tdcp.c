@@ -68,7 +68,7 @@ static void judge(pel_tdcp_t *h, const pel_sd_set_t *set, int n, double sd_m, pe
     for (int i = 0; i < set->n; i++) {
         if (change[i].kind != PEL_TDCP_CONTINUOUS) { continue; }
         if (n == 1) { /* nobody to compare with */
-            change[i].kind = PEL_TDCP_NEW;
+            change[i] = (pel_tdcp_change_t){.change_m = 0.0, .kind = PEL_TDCP_NEW};
             h->restarts++;
             continue;
         }

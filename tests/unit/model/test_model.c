@@ -454,14 +454,14 @@ static void sensor_states_are_set_where_a_model_has_them(void)
     pel_model_gnss(&m, &imu);
     pel_model_sensor_sd(&m, sd);
     for (int i = 0; i < PEL_MAX_STATES; i++) { TEST_ASSERT_TRUE(sd[i] == PEL_R(7.0)); } /* it has none */
-    pel_model_tdcp_cloned(&m, &imu);
+    pel_model_tdcp(&m, &imu, 2);
     pel_model_sensor_sd(&m, sd);
     for (int i = 0; i < 3; i++) {
         TEST_ASSERT_TRUE(sd[i] == (pel_real)imu.sd_bg_radps && sd[3 + i] == (pel_real)imu.sd_ba_mps2);
     }
     TEST_ASSERT_TRUE(sd[6] == PEL_R(7.0));
-    TEST_ASSERT_EQUAL(19, m.n);
-    TEST_ASSERT_EQUAL(6, pel_model_index(&m, PEL_BLOCK_CLONE));
+    TEST_ASSERT_EQUAL(20, m.n);
+    TEST_ASSERT_EQUAL(15, pel_model_index(&m, PEL_BLOCK_OFFSET));
 }
 
 int main(void)

@@ -137,6 +137,7 @@ static void of_three_the_odd_one_is_found_of_two_neither_is_trusted_and_one_alon
     sky.n = 1;
     (void)step(0.3);
     TEST_ASSERT_EQUAL_INT(PEL_TDCP_NEW, change[0].kind);
+    TEST_ASSERT_TRUE(change[0].change_m == 0.0);
 }
 
 /* The detectors without a model of motion see nothing of a silent slip, and then remember the slipped phase as good. */
