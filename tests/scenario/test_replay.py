@@ -171,3 +171,12 @@ def test_city_car_with_imu_is_a_third_better_than_least_squares_of_each_epoch(ro
     limit = peer["h_rms_same_m"] if peer else 5.6
     assert r["ours"]["h_rms_m"] < 0.7 * limit
     assert r["ours"]["h_rms_m"] < 2.0
+
+
+def test_city_car_without_gnss_goes_on(rows):
+    """Median and largest growth of the horizontal error over gaps all along the drive, against the true velocity carried on."""
+    for seconds, median_m, largest_m in ((10, 1.0, 5.0), (30, 5.0, 40.0), (60, 30.0, 150.0)):
+        f = rows[f"car, {seconds} s removed"]["ours"]
+        assert f["gaps"] >= 10
+        assert f["growth_median_m"] < median_m and f["growth_max_m"] < largest_m, seconds
+        assert f["growth_median_m"] < 0.2 * f["carried_median_m"] and f["growth_max_m"] < 0.5 * f["carried_max_m"], seconds
