@@ -240,8 +240,6 @@ static void read_vehicle(config_file_t *c, pel_nav_config_t *cfg)
     }
     v->sd_place_m = within(c, "navigator.start.sd_place_m", v->sd_place_m, 1e-4, 1e3);
     v->standing_s = within(c, "navigator.vehicle.standing_s", v->standing_s, 0.0, 1e5);
-    v->zero_velocity = config_file_bool(c, "navigator.vehicle.zero_velocity", v->zero_velocity);
-    v->wheeled = config_file_bool(c, "navigator.vehicle.wheeled", v->wheeled);
     v->sd_height_m = within(c, "navigator.vehicle.height_sd_m", v->sd_height_m, 1e-3, 1e4);
     v->tau_height_s = within(c, "navigator.vehicle.height_tau_s", v->tau_height_s, 1.0, 1e6);
     const char *height = config_file_string(c, "navigator.vehicle.height", "none");

@@ -278,7 +278,6 @@ void pel_nav_take_increment(pel_navigator_t *nav, const pel_imu_t *body)
         pel_nav_align_increment(nav, body);
         return;
     }
-    pel_nav_vehicle_motion(nav, body);
     tick(nav, body);
     step(nav, body, &nav->now, &nav->coning_now);
     pel_nav_keep_pose(nav, body->alpha_ib_b);

@@ -291,8 +291,6 @@ bool pel_nav_vehicle_place(const pel_navigator_t *nav, double r_eb_e[3]);
 /* The INS begins: place and rest if they are known, the height's state behind the model's own. */
 pel_status_t pel_nav_vehicle_begin(pel_navigator_t *nav);
 
-/* One increment while the INS runs: does it stand? */
-void pel_nav_vehicle_motion(pel_navigator_t *nav, const pel_imu_t *body);
 void pel_nav_vehicle_baro(pel_navigator_t *nav, const pel_baro_t *baro);
 
 /* Rows of each epoch, after the satellites'. */

@@ -1,4 +1,5 @@
-/* vehicle.c - what is known without a satellite: the place at the start, standing still, the height, not sliding (S3 sections 8 and 14).
+/* vehicle.c - what is known without a satellite: the place at the start, standing still there, the height (S3 sections 8 and 10).
+ * What wheels do is in wheels.c.
  *
  * The height's reference is a map or the height of the start, or a barometer; its deviation from the truth (terrain, weather) is a
  * first-order Markov state behind the model's own. */
@@ -8,9 +9,6 @@
 #include "pelorus/math.h"
 
 #define STANDS_SD_MPS 0.005 /* of a vehicle that stands: its engine shakes it */
-#define SLIDES_SD_MPS 0.1   /* of a wheeled one sideways and up, mounting included */
-#define STILL_S       1.0   /* an IMU that shows nothing for so long */
-#define STILL_MPS     0.3   /* a steady drive shows nothing either: the state must agree */
 #define HEIGHT_SD_M   0.01  /* of a row on a constant reference: what it is off by is the deviation's */
 #define BARO_FRESH_S  0.5
 #define GATE_SIGMA    PEL_R(5.0)
@@ -67,24 +65,10 @@ pel_status_t pel_nav_vehicle_begin(pel_navigator_t *nav)
     return status;
 }
 
-void pel_nav_vehicle_motion(pel_navigator_t *nav, const pel_imu_t *body)
-{
-    if (nav->cfg.vehicle.zero_velocity) { (void)pel_align_push(&nav->align, body); }
-}
-
 void pel_nav_vehicle_baro(pel_navigator_t *nav, const pel_baro_t *baro)
 {
     nav->vehicle.baro = *baro;
     nav->vehicle.baro_waits = true;
-}
-
-/* Has the IMU shown nothing from before the horizon on until now? */
-static bool stands(const pel_navigator_t *nav)
-{
-    const double lag_s = pel_time_diff_s(nav->last_imu_ns, nav->at_horizon.t_ns);
-    if (is_told_to_stand(nav)) { return true; }
-    return nav->cfg.vehicle.zero_velocity && nav->align.t_static_s > lag_s + STILL_S &&
-           pel_norm3(nav->at_horizon.v_eb_e) < STILL_MPS;
 }
 
 static void update(pel_navigator_t *nav, const pel_nav_axes_t *axes, pel_row_t *row, double sd)
@@ -97,24 +81,14 @@ static void update(pel_navigator_t *nav, const pel_nav_axes_t *axes, pel_row_t *
     nav->counters.rows_gated += !used;
 }
 
-static void velocity_rows(pel_navigator_t *nav, const pel_nav_axes_t *axes)
+static void standing_rows(pel_navigator_t *nav, const pel_nav_axes_t *axes)
 {
-    static const double AT_IMU[3] = {0.0, 0.0, 0.0};
-    const pel_strapdown_t *s = &nav->at_horizon;
-    const pel_antenna_t *ant = &nav->update.ant;
-    pel_row_t row;
-    if (stands(nav)) {
-        for (int k = 0; k < 3; k++) {
-            double along[3] = {0.0, 0.0, 0.0};
-            along[k] = 1.0;
-            pel_observe_velocity(ant, along, s->v_eb_e[k], &row);
-            update(nav, axes, &row, STANDS_SD_MPS);
-        }
-    } else if (nav->cfg.vehicle.wheeled) {
-        for (int axis = 0; axis < 3; axis += 2) {
-            pel_observe_body_velocity(ant, s->C_b_e, s->v_eb_e, AT_IMU, axis, 0.0, &row);
-            update(nav, axes, &row, SLIDES_SD_MPS);
-        }
+    for (int k = 0; k < 3; k++) {
+        double along[3] = {0.0, 0.0, 0.0};
+        pel_row_t row;
+        along[k] = 1.0;
+        pel_observe_velocity(&nav->update.ant, along, nav->at_horizon.v_eb_e[k], &row);
+        update(nav, axes, &row, STANDS_SD_MPS);
     }
 }
 
@@ -168,7 +142,7 @@ void pel_nav_vehicle_rows(pel_navigator_t *nav)
     pel_nav_axes_t axes;
     if (!nav->ins) { return; }
     pel_nav_axes(nav, &axes);
-    velocity_rows(nav, &axes);
+    if (is_told_to_stand(nav)) { standing_rows(nav, &axes); }
     if (nav->vehicle.height_state < 0) { return; }
     age_deviation(nav);
     height_row(nav, &axes);
