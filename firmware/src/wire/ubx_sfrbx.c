@@ -33,7 +33,7 @@ static nav_type_t classify(uint8_t gnss_id, uint8_t sig_id, uint8_t sv, bool tol
 
 static pel_nav_slot_t *slot_for(pel_receiver_t *rx, uint8_t sys, uint8_t prn)
 {
-    pel_nav_slot_t *oldest = NULL;
+    pel_nav_slot_t *oldest = &rx->nav[0]; /* a free one, else the one idle longest */
     for (int i = 0; i < PEL_NAV_SLOTS; i++) {
         pel_nav_slot_t *const s = &rx->nav[i];
         if (s->prn == prn && s->sys == sys) {
@@ -41,11 +41,7 @@ static pel_nav_slot_t *slot_for(pel_receiver_t *rx, uint8_t sys, uint8_t prn)
             s->touched = rx->nav_clock;
             return s;
         }
-        if (s->prn == 0u && (oldest == NULL || oldest->prn != 0u)) {
-            oldest = s;
-        } else if (oldest == NULL || (oldest->prn != 0u && s->touched < oldest->touched)) {
-            oldest = s;
-        }
+        if (oldest->prn != 0u && (s->prn == 0u || s->touched < oldest->touched)) { oldest = s; }
     }
     if (oldest->prn != 0u && rx->nav_clock - oldest->touched <= SLOT_IDLE) {
         rx->counters.overflow++;

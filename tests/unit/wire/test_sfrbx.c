@@ -139,6 +139,41 @@ static void with_all_places_taken_a_satellite_waits_until_one_is_idle(void)
     }
 }
 
+static void fill_all_places(void)
+{
+    sfrbx_begin(&b);
+    for (int k = 0; k < PEL_NAV_SLOTS; k++) {
+        const pel_sys_t sys = (k < 30) ? PEL_SYS_GPS : PEL_SYS_BDS;
+        (void)sfrbx_push(&b, sfrbx_part(&b, sys, (k < 30) ? k + 1 : k - 30 + 21, 1));
+    }
+}
+
+/* The first place is touched by the first frame; the frame of the satellite that wants it counts as well. */
+static void a_place_is_idle_after_a_thousand_frames(void)
+{
+    for (int idle = 1000; idle <= 1001; idle++) {
+        fill_all_places();
+        let_frames_pass(idle - PEL_NAV_SLOTS);
+        (void)sfrbx_push(&b, sfrbx_part(&b, PEL_SYS_GAL, 7, 1));
+        sfrbx_expect(&b, 0, 0, 0, (idle == 1000) ? 1 : 0);
+    }
+}
+
+static void a_free_place_is_taken_before_an_idle_one_and_of_those_the_one_idle_longest(void)
+{
+    fill_all_places();
+    (void)sfrbx_push(&b, sfrbx_part(&b, PEL_SYS_GPS, 1, 1)); /* heard again: the second is now idle longest */
+    (void)sfrbx_push_all_but(&b, PEL_SYS_GPS, 10, 1);        /* complete: its place is free */
+    let_frames_pass(1001);
+    (void)sfrbx_push(&b, sfrbx_part(&b, PEL_SYS_GAL, 7, 1));
+    TEST_ASSERT_EQUAL_UINT8(PEL_SYS_GAL, b.rx.nav[9].sys);
+    (void)sfrbx_push(&b, sfrbx_part(&b, PEL_SYS_GAL, 8, 1));
+    TEST_ASSERT_EQUAL_UINT8(PEL_SYS_GAL, b.rx.nav[1].sys);
+    (void)sfrbx_push(&b, sfrbx_part(&b, PEL_SYS_GAL, 9, 1));
+    TEST_ASSERT_EQUAL_UINT8(PEL_SYS_GAL, b.rx.nav[2].sys);
+    TEST_ASSERT_EQUAL_UINT8(PEL_SYS_GPS, b.rx.nav[0].sys);
+}
+
 /* ---- GPS and QZSS ----------------------------------------------------------------------------------------------------- */
 
 static void lnav_subframes_are_1_to_5_behind_their_preamble(void)
@@ -196,6 +231,24 @@ static void lnav_parts_of_different_issues_wait_for_the_right_one(void)
     }
 }
 
+/* A frame may begin in one week and end in the next: the week is that of subframe 1, which tells it. */
+static void the_week_is_that_of_its_own_subframe(void)
+{
+    const pel_time_t edge = INT64_C(2301) * PEL_NS_PER_WEEK;
+    for (int before_s = 18; before_s >= 0; before_s -= 6) {
+        pel_ephemeris_t e = sfrbx_ephemeris(PEL_SYS_GPS, 9);
+        int events = 0;
+        sfrbx_begin(&b);
+        e.toe_ns = e.toc_ns = edge + 7200 * PEL_NS_PER_S;
+        for (int part = 1; part <= 3; part++) {
+            events += sfrbx_push(
+                &b, pel_ubx_encode_sfrbx_eph(&e, part, edge - before_s * PEL_NS_PER_S, b.frame, sizeof b.frame));
+        }
+        TEST_ASSERT_EQUAL_INT(1, events);
+        TEST_ASSERT_EQUAL_INT64(e.toe_ns, b.rx.ephemeris.toe_ns);
+    }
+}
+
 static void a_complete_set_of_an_impossible_orbit_is_refused_and_forgotten(void)
 {
     TEST_ASSERT_EQUAL_INT(0, sfrbx_push_all_but(&b, PEL_SYS_GPS, 9, 2));
@@ -215,9 +268,12 @@ int main(void)
     RUN_TEST(words_are_counted);
     RUN_TEST(parts_are_forgotten_after_a_thousand_frames_of_others);
     RUN_TEST(with_all_places_taken_a_satellite_waits_until_one_is_idle);
+    RUN_TEST(a_place_is_idle_after_a_thousand_frames);
+    RUN_TEST(a_free_place_is_taken_before_an_idle_one_and_of_those_the_one_idle_longest);
     RUN_TEST(lnav_subframes_are_1_to_5_behind_their_preamble);
     RUN_TEST(the_ionosphere_is_on_page_18_of_gps_alone);
     RUN_TEST(lnav_parts_of_different_issues_wait_for_the_right_one);
+    RUN_TEST(the_week_is_that_of_its_own_subframe);
     RUN_TEST(a_complete_set_of_an_impossible_orbit_is_refused_and_forgotten);
     return UNITY_END();
 }

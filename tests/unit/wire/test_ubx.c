@@ -163,6 +163,10 @@ static void signals_without_a_number_and_impossible_ones_are_left_out(void)
     epoch.obs[3].P_m = 1e9;
     TEST_ASSERT_EQUAL_size_t(8 + 16 + 4 * 32, pel_ubx_encode_rawx(&epoch, 18, frame, sizeof frame));
     TEST_ASSERT_EQUAL_UINT8(4, payload[11]);
+    epoch.n = 1;
+    TEST_ASSERT_EQUAL_size_t(8 + 16 + 32, pel_ubx_encode_rawx(&epoch, 18, frame, 8 + 16 + 32));
+    epoch.n = PEL_MAX_OBS; /* the rest of the array is empty */
+    TEST_ASSERT_EQUAL_size_t(8 + 16 + 4 * 32, pel_ubx_encode_rawx(&epoch, 18, frame, sizeof frame));
     epoch.n = PEL_MAX_OBS + 1;
     TEST_ASSERT_EQUAL_size_t(0, pel_ubx_encode_rawx(&epoch, 18, frame, sizeof frame));
     support_epoch(&epoch, -1, PEL_SYS_GPS, 3);
@@ -247,10 +251,10 @@ static pel_pvt_t fix_at(pel_time_t t)
 static void positions_and_velocities_end_at_the_poles_and_at_ten_kilometres_a_second(void)
 {
     const double nan = (double)NAN;
-    IN(p.lat_rad = 89.9999999 * DEG);
-    IN(p.lat_rad = -89.9999999 * DEG);
-    IN(p.lon_rad = 179.9999999 * DEG);
-    IN(p.lon_rad = -179.9999999 * DEG);
+    IN(p.lat_rad = 90.0 * DEG);
+    IN(p.lat_rad = -90.0 * DEG);
+    IN(p.lon_rad = 180.0 * DEG);
+    IN(p.lon_rad = -180.0 * DEG);
     OUT(p.lat_rad = 90.0000001 * DEG);
     OUT(p.lat_rad = -90.0000001 * DEG);
     OUT(p.lon_rad = 180.0000001 * DEG);
@@ -269,11 +273,14 @@ static void positions_and_velocities_end_at_the_poles_and_at_ten_kilometres_a_se
     OUT(p.height_m = 1e7);
     OUT(p.height_m = nan);
     OUT(p.t_ns = -1);
-    pel_pvt_t p = fix_at(T0);
+    pel_pvt_t p = fix_at(0);
     TEST_ASSERT_EQUAL_size_t(0, pel_ubx_encode_pvt(&p, frame, 99));
     p.fix = 1; /* dead reckoning only: the fix is not valid */
-    (void)pel_ubx_encode_pvt(&p, frame, sizeof frame);
+    TEST_ASSERT_EQUAL_size_t(100, pel_ubx_encode_pvt(&p, frame, 100));
     TEST_ASSERT_EQUAL_HEX8(0x80, payload[21]);
+    p.fix = 2;
+    TEST_ASSERT_EQUAL_size_t(100, pel_ubx_encode_pvt(&p, frame, 100));
+    TEST_ASSERT_EQUAL_HEX8(0x81, payload[21]);
 }
 
 /* The same limits when the numbers come in. */
@@ -284,8 +291,8 @@ static void what_no_place_can_be_is_refused(void)
         int32_t value;
         bool good;
     } CASE[] = {
-        {28, 899999999, true},  {28, 900000001, false},  {28, -899999999, true},  {28, -900000001, false},
-        {24, 1799999999, true}, {24, 1800000001, false}, {24, -1799999999, true}, {24, -1800000001, false},
+        {28, 900000000, true},  {28, 900000001, false},  {28, -900000000, true},  {28, -900000001, false},
+        {24, 1800000000, true}, {24, 1800000001, false}, {24, -1800000000, true}, {24, -1800000001, false},
         {32, -19999999, true},  {32, -20000000, false},  {48, 10000000, false},   {52, -10000000, false},
         {56, 9999999, true},    {0, 604799999, true},    {0, 604800000, false},
     };
