@@ -102,7 +102,8 @@ def walk_known(track, data):
 def walk_displacements(track, data):
     """How far the antenna came in 1 and 10 s, against the receiver's RTK track while both its ends are fixed and the INS runs."""
     f = walk_known(track, data)
-    f["moved"] = {span_s: tracks.moved(track, walk_truth(data), span_s) for span_s in (1, 10)}
+    if track.ins is not None:
+        f["moved"] = {span_s: tracks.moved(track, walk_truth(data), span_s) for span_s in (1, 10)}
     return f
 
 
@@ -285,7 +286,7 @@ def coldstart_peer(data, work, _=()):
 ALL = [
     Recording("geonet-0759-3040", "geonet-0759-3040", "RTK L1+L2, 3 km", GEONET_CAPTURE, geonet_known, geonet_peer(2), refix=True),
     Recording("geonet, L1", "geonet-0759-3040", "RTK L1, 3 km", GEONET_CAPTURE, geonet_known, geonet_peer(1), L1_ONLY, refix=True),
-    Recording("walk-imu-ubx-2025", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_known, walk_peer, WALK_IMU),
+    Recording("walk-imu-ubx-2025", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_displacements, walk_peer, WALK_IMU),
     Recording("walk, with phases", "walk-imu-ubx-2025", "single receiver + IMU + phases", WALK_CAPTURE, walk_displacements, None, WALK_TDCP),
     Recording("walk, without IMU", "walk-imu-ubx-2025", "single receiver", WALK_CAPTURE[:2], walk_known, walk_peer, WALK_GNSS),
     Recording("walk, 20 s removed", "walk-imu-ubx-2025", "single receiver + IMU, tight", WALK_CAPTURE, walk_gap, None, WALK_IMU,

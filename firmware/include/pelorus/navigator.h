@@ -253,7 +253,7 @@ typedef struct {
 typedef struct {
     bool at_place;        /* still where the configuration says */
     int16_t height_state; /* deviation of the height's source, -1: none */
-    double deviation_m;   /* its estimate, m */
+    double deviation_m;   /* its estimate: truth less source, m */
     double start_height_m;
     pel_time_t updated_ns;
     bool baro_waits;

@@ -1,4 +1,4 @@
-/* What is known without a satellite: a place to start from, standing, heights, wheels. */
+/* What is known without a satellite: a place to start from, standing, heights. */
 /* with: carried pair gnss */
 #include <math.h>
 #include <string.h>
