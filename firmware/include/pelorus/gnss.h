@@ -225,10 +225,10 @@ pel_status_t pel_pair_epochs(const pel_epoch_t base[], int n, pel_time_t t_ns, d
 typedef struct {
     uint8_t sys, prn, carrier;
     int8_t glo_k;
-    bool pivot;
-    bool has_code, has_phase, has_rate;
-    bool half;     /* either phase has an unresolved half cycle */
-    bool slip;     /* either phase slipped since its previous epoch */
+    bool pivot : 1;
+    bool has_code : 1, has_phase : 1, has_rate : 1;
+    bool half : 1; /* either phase has an unresolved half cycle */
+    bool slip : 1; /* either phase slipped since its previous epoch */
     uint8_t group; /* 0..n_groups-1 = one (system, carrier) */
     float el_rad;
     float cn0_dbhz; /* of the rover */
@@ -238,7 +238,7 @@ typedef struct {
     double u_e[3];                        /* rover antenna -> satellite: d(predicted)/d(rover position) = -u */
 } pel_sd_t;
 
-/* Sorted by system, then carrier (but for systems added later); in each group the pivot first, then by prn. PEL_MAX_OBS * 104
+/* Sorted by system, then carrier (but for systems added later); in each group the pivot first, then by prn. PEL_MAX_OBS * 96
  * bytes. */
 typedef struct {
     pel_time_t t_ns; /* tag of the rover's epoch */

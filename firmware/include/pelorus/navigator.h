@@ -163,13 +163,13 @@ typedef struct {
 
 typedef struct {
     uint8_t sys, prn, carrier;
-    bool held;     /* N is an integer that was validated */
-    bool half;     /* half a cycle is not resolved: good as a float, no integer */
-    int16_t state; /* index of its filter state; -1: held, or the datum of its group */
-    int16_t rate;  /* of_rover: index of its rate's, -1: none */
-    bool slipped;  /* of_rover: begins anew where it is, its rate goes on */
+    bool held : 1;    /* N is an integer that was validated */
+    bool half : 1;    /* half a cycle is not resolved: good as a float, no integer */
+    bool slipped : 1; /* of_rover: begins anew where it is, its rate goes on */
+    uint8_t agreed;   /* searches in a row that gave the same integer */
+    int16_t state;    /* index of its filter state; -1: held, or the datum of its group */
+    int16_t rate;     /* of_rover: index of its rate's, -1: none */
     uint16_t epochs;
-    uint8_t agreed;     /* searches in a row that gave the same integer */
     uint32_t candidate; /* that integer modulo 2^32 */
     pel_time_t agreed_since_ns;
     double N; /* on the group's datum: cycles, rover minus base; of_rover: m */

@@ -93,6 +93,15 @@ static void draw_lost_position(pel_navigator_t *nav)
     pel_nav_close_loop(nav);
 }
 
+/* From the single-point solution, else from the place where it is known to stand. */
+static bool start(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
+{
+    pel_spp_t at_rest = {.t_ns = t_ns, .has_velocity = true};
+    if (!solved && !pel_nav_vehicle_place(nav, at_rest.r_ea_e)) { return false; }
+    pel_nav_start_gnss(nav, solved ? &nav->spp : &at_rest);
+    return nav->have_state;
+}
+
 /* Bring the state to the instant, starting it if there is none. */
 static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
 {
@@ -113,10 +122,7 @@ static bool reach(pel_navigator_t *nav, bool solved, pel_time_t t_ns)
         nav->counters.restarts++;
         pel_nav_stop(nav); /* also where no start follows: an INS without its factors must not go on telling */
     }
-    pel_spp_t at_rest = {.t_ns = t_ns, .has_velocity = true};
-    if (!solved && !pel_nav_vehicle_place(nav, at_rest.r_ea_e)) { return false; }
-    pel_nav_start_gnss(nav, solved ? &nav->spp : &at_rest);
-    return nav->have_state;
+    return start(nav, solved, t_ns);
 }
 
 bool pel_nav_reach_epoch(pel_navigator_t *nav, const pel_epoch_t *rover)
