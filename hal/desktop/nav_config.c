@@ -246,7 +246,7 @@ static void read_vehicle(config_file_t *c, pel_nav_config_t *cfg)
     int k = 0;
     while (k < 3 && strcmp(height, HEIGHTS[k]) != 0) { k++; }
     if (k == 3) { config_file_complain(c, "navigator.vehicle.height", "is one of none, constant, barometer"); }
-    if (k < 3) { v->height = (pel_height_source_t)k; }
+    if (k < 3) { v->height = (uint8_t)k; }
 }
 
 static int read_all(config_file_t *c, pel_nav_config_t *cfg, char *why, size_t cap)

@@ -27,6 +27,7 @@ static inline uint32_t tape_layout(void)
     h = h * 31 + (uint32_t)offsetof(pel_nav_config_t, imu);
     h = h * 31 + (uint32_t)offsetof(pel_nav_config_t, lever_ba_b);
     h = h * 31 + (uint32_t)offsetof(pel_nav_config_t, align_speed_mps);
+    h = h * 31 + (uint32_t)offsetof(pel_nav_config_t, vehicle.height);
     h = h * 31 + (uint32_t)offsetof(pel_nav_config_t, noise_single);
     h = h * 31 + (uint32_t)offsetof(pel_nav_config_t, ratio_min);
     return h * 31 + (uint32_t)offsetof(pel_nav_config_t, C_c_b);

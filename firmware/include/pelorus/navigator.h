@@ -47,8 +47,8 @@ typedef enum {
 typedef struct {
     bool place_known; /* the IMU begins here, at rest: needs no single-point solution */
     double lat_rad, lon_rad, height_m, sd_place_m;
-    double standing_s; /* it stands still for so long from the first IMU sample on */
-    pel_height_source_t height;
+    double standing_s;                /* it stands still for so long from the first IMU sample on */
+    uint8_t height;                   /* pel_height_source_t, in a byte on every machine */
     double sd_height_m, tau_height_s; /* what the source is off by: first-order Markov */
 } pel_vehicle_config_t;
 
