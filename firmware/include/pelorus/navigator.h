@@ -174,7 +174,7 @@ typedef struct {
     pel_time_t agreed_since_ns;
     double N; /* on the group's datum: cycles, rover minus base; of_rover: m */
     double rate_mps;
-    double u_e[3];       /* of_rover: line of sight when it began */
+    float u_e[3];        /* of_rover: line of sight when it began */
     pel_time_t since_ns; /* when a float one began */
 } pel_tracked_t;
 

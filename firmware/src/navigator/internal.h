@@ -13,11 +13,6 @@ static inline double pel_nav_along(const double P[3][3], const double g[3])
     return pel_dot3(g, Pg);
 }
 
-static inline void pel_nav_copy3(const double from[3], double to[3])
-{
-    for (int k = 0; k < 3; k++) { to[k] = from[k]; }
-}
-
 #define PEL_NAV_BIT(output) (UINT32_C(1) << (unsigned)(output))
 
 /* Longest stretch without IMU that the INS survives, s. */

@@ -69,7 +69,7 @@ static void begin_at(pel_tracked_t *t, const pel_sd_t *sd, const pel_sd_t *ref, 
 {
     t->N = sd->phase_m - ref->phase_m + N_ref;
     t->half = sd->half;
-    pel_nav_copy3(sd->u_e, t->u_e);
+    for (int k = 0; k < 3; k++) { t->u_e[k] = (float)sd->u_e[k]; }
 }
 
 static bool add_rate(pel_navigator_t *nav, pel_tracked_t *t)
@@ -165,7 +165,8 @@ static void renew_turned(pel_navigator_t *nav)
         const pel_sd_t *sd = &nav->sd.sd[i];
         const pel_tracked_t *t = pel_nav_track_find(nav, sd->sys, sd->prn, sd->carrier);
         if (t == NULL) { continue; }
-        const double d[3] = {sd->u_e[0] - t->u_e[0], sd->u_e[1] - t->u_e[1], sd->u_e[2] - t->u_e[2]};
+        double d[3];
+        for (int k = 0; k < 3; k++) { d[k] = sd->u_e[k] - (double)t->u_e[k]; }
         if (pel_dot3(d, d) <= most) { continue; }
         most = pel_dot3(d, d);
         farthest = sd;
@@ -254,8 +255,8 @@ void pel_nav_rover_phase_row(pel_navigator_t *nav, const pel_antenna_t *ant, con
     const pel_tracked_t *ta = pel_nav_track_find(nav, sat->sys, sat->prn, sat->carrier);
     const pel_tracked_t *tb = pel_nav_track_find(nav, pivot->sys, pivot->prn, pivot->carrier);
     for (int k = 0; k < 3 && ta != NULL && tb != NULL; k++) {
-        a.u_e[k] = ta->u_e[k];
-        b.u_e[k] = tb->u_e[k];
+        a.u_e[k] = (double)ta->u_e[k];
+        b.u_e[k] = (double)tb->u_e[k];
     }
     pel_observe_range(ant, &a, &b, dd_m, row);
 }

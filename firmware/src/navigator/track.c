@@ -175,7 +175,7 @@ pel_tracked_t *pel_nav_track_get_or_add(pel_navigator_t *nav, const pel_sd_t *sd
                          .carrier = sd->carrier,
                          .state = -1,
                          .rate = -1,
-                         .u_e = {sd->u_e[0], sd->u_e[1], sd->u_e[2]}};
+                         .u_e = {(float)sd->u_e[0], (float)sd->u_e[1], (float)sd->u_e[2]}};
     return t;
 }
 

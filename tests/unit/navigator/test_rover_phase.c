@@ -201,7 +201,7 @@ static void rates_survive_slips_of_their_phases(void)
 static void a_phase_whose_satellite_has_moved_on_begins_anew_one_an_epoch(void)
 {
     for (int i = 0; i < nav.track.n; i++) { /* as after six minutes */
-        nav.track.entry[i].u_e[0] += 0.1;
+        nav.track.entry[i].u_e[0] += 0.1f;
     }
     double e0[3];
     error_of(e0);
@@ -211,7 +211,7 @@ static void a_phase_whose_satellite_has_moved_on_begins_anew_one_an_epoch(void)
         const pel_tracked_t *t = &nav.track.entry[i];
         const pel_sight_t *s = pel_view_find(&nav.view_rover, t->sys, t->prn);
         TEST_ASSERT_NOT_NULL(s);
-        for (int k = 0; k < 3; k++) { TEST_ASSERT_DOUBLE_WITHIN(0.02, s->u_e[k], t->u_e[k]); }
+        for (int k = 0; k < 3; k++) { TEST_ASSERT_DOUBLE_WITHIN(0.02, s->u_e[k], (double)t->u_e[k]); }
     }
     TEST_ASSERT_LESS_THAN_DOUBLE(0.02, astray_m(e0));
 }
