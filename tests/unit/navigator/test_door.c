@@ -183,6 +183,24 @@ static void a_time_or_a_length_that_cannot_be_never_enters(void)
     refused(imu);
 }
 
+static void heights_that_cannot_be_never_enter(void)
+{
+    static const struct {
+        pel_time_t t_ns;
+        double height_m;
+        float sd_m;
+        bool good;
+    } of[] = {{0, 50.0, 0.1f, false},  {T0, 1e5, 0.1f, false},  {T0, -1e5, 0.1f, false}, {T0, NAN, 0.1f, false},
+              {T0, 50.0, 0.0f, false}, {T0, 50.0, 1e4f, false}, {T0, 50.0, NAN, false},  {T0, 50.0, 0.1f, true}};
+    uint32_t refused_so_far = 0;
+    for (int i = 0; i < 8; i++) {
+        const pel_baro_t baro = {.t_ns = of[i].t_ns, .height_m = of[i].height_m, .sd_m = of[i].sd_m};
+        pel_navigator_push_baro(&nav, &baro);
+        refused_so_far += !of[i].good;
+        TEST_ASSERT_EQUAL_UINT32(refused_so_far, nav.counters.imu_bad_value);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -200,5 +218,6 @@ int main(void)
     RUN_TEST(an_epoch_without_orbits_gives_no_solution);
     RUN_TEST(samples_that_overlap_are_shortened_and_counted);
     RUN_TEST(a_time_or_a_length_that_cannot_be_never_enters);
+    RUN_TEST(heights_that_cannot_be_never_enter);
     return UNITY_END();
 }

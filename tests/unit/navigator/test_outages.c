@@ -326,6 +326,43 @@ static void factors_lost_since_the_last_substep_are_found_by_its_rest(void)
     TEST_ASSERT_EQUAL(PEL_E_NOT_POSDEF, pel_nav_advance(&nav, nav.at_horizon.t_ns + 20 * PEL_NS_PER_MS));
 }
 
+/* Codes that contradict each other by kilometres: no position can be had from them, and no time. */
+static void an_epoch_of_codes_that_contradict_each_other_is_not_used(void)
+{
+    with_ins();
+    carried_observe(&world, &base, &rover);
+    for (int i = 0; i < rover.n; i++) { rover.obs[i].P_m += 5000.0 * sin(2.0 * rover.obs[i].prn * rover.obs[i].prn); }
+    const uint32_t used = nav.counters.epochs_used, failed = nav.counters.epochs_spp_failed;
+    carried_push(&world, &nav, &base, &rover);
+    TEST_ASSERT_EQUAL_UINT32(used, nav.counters.epochs_used);
+    TEST_ASSERT_EQUAL_UINT32(failed + 1, nav.counters.epochs_spp_failed);
+    TEST_ASSERT_TRUE(nav.ins);
+    carried_run(&world, &nav, 2);
+    TEST_ASSERT_EQUAL_INT(PEL_FIX_FIXED, nav.last_fix);
+}
+
+/* An epoch of satellites that nobody knows, and one of which some lack their code. */
+static void a_clock_at_a_known_place_needs_a_code_of_a_known_satellite(void)
+{
+    with_ins();
+    nav.have_spp = false;
+    carried_observe(&world, &base, &rover);
+    keep_satellites(3);
+    pel_epoch_t strange = rover;
+    for (int i = 0; i < strange.n; i++) { strange.obs[i].prn = (uint8_t)(31 + i % 2); }
+    const uint32_t used = nav.counters.epochs_used;
+    carried_push(&world, &nav, &base, &strange);
+    TEST_ASSERT_EQUAL_UINT32(used, nav.counters.epochs_used);
+    rover.t_ns += 1;
+    rover.obs[1].flags &= (uint8_t)~PEL_OBS_CODE;
+    rover.obs[rover.n] = strange.obs[0];
+    rover.n++;
+    pel_navigator_push_rover(&nav, &rover);
+    carried_imu_until(&world, &nav, nav.last_imu_ns + 200 * PEL_NS_PER_MS);
+    TEST_ASSERT_EQUAL_UINT32(used + 1, nav.counters.epochs_used);
+    TEST_ASSERT_TRUE(nav.ins);
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -345,5 +382,7 @@ int main(void)
     RUN_TEST(a_doubt_counts_from_its_own_time_on);
     RUN_TEST(a_base_that_shares_too_little_is_none_for_this_epoch);
     RUN_TEST(factors_lost_since_the_last_substep_are_found_by_its_rest);
+    RUN_TEST(an_epoch_of_codes_that_contradict_each_other_is_not_used);
+    RUN_TEST(a_clock_at_a_known_place_needs_a_code_of_a_known_satellite);
     return UNITY_END();
 }

@@ -1,4 +1,5 @@
 /* A power cut at any byte of a snapshot's way into the store leaves the old one or the new one; what is not ours is refused. */
+#include <math.h>
 #include <string.h>
 
 #include "pelorus/bits.h"
@@ -375,6 +376,7 @@ static void each_number_has_its_limits(void)
         {"t", T, 't', 0.0, false},
         {"t", T, 't', -5.0, false},
         {"t", T, 't', 1.0, true},
+        {"still", STILL, 'f', INFINITY, false},
         {"still", STILL, 'f', -0.1, false},
         {"still", STILL, 'f', 0.0, true},
         {"r", R, 'd', 0.0, false}, /* too deep, then too high */

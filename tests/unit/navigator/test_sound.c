@@ -157,6 +157,10 @@ static void what_an_epoch_reads(void)
         SPOIL(model.size[PEL_BLOCK_GYRO_CONSTANT], 0),
         SPOIL(track.entry[0].state, -2),
         SPOIL(track.entry[0].state, PEL_MAX_STATES),
+        SPOIL(vehicle.height_state, -2),
+        SPOIL(vehicle.height_state, PEL_MAX_STATES),
+        SPOIL(track.entry[0].rate, -2),
+        SPOIL(track.entry[0].rate, PEL_MAX_STATES),
         SPOIL(track.entry[1].sys, PEL_N_SYS),
         SPOIL(track.entry[1].carrier, PEL_N_CARRIER),
         SPOIL(track.channels[0].state, -2),
@@ -323,6 +327,8 @@ static void settings_that_changed_stop_everything(void)
     pel_navigator_push_base(&nav, &base);
     pel_navigator_push_station(&nav, &moved);
     pel_navigator_push_ephemeris(&nav, &eph);
+    const pel_baro_t baro = {.t_ns = good.last_imu_ns, .height_m = 50.0, .sd_m = 0.1f};
+    pel_navigator_push_baro(&nav, &baro);
     TEST_ASSERT_FALSE(pel_navigator_flush(&nav));
     TEST_ASSERT_EQUAL_MEMORY(&before, &nav, sizeof nav);
     pel_navigator_t *const n = &nav; /* increments go on, epochs that wait for them do not */
