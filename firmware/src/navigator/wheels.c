@@ -7,9 +7,8 @@
 
 #include "pelorus/math.h"
 
-#define UPDATE_S 0.5 /* rows are made this often */
-#define ALONE_S                                                                                                        \
-    1.0 /* rolling counts so long after the last epoch: beside GNSS it would only tie heading to what heading told */
+#define UPDATE_S     0.5  /* rows are made this often */
+#define ALONE_S      1.0  /* rolling counts so long after the last epoch: beside GNSS it ties heading to what it told */
 #define WINDOW_S     0.5  /* of the gyros, to judge whether it stands */
 #define LEARN_MPS    5.0  /* direction: above this speed ... */
 #define LEARN_RPS    0.05 /* ... and straight on ... */
