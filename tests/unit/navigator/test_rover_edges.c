@@ -197,7 +197,7 @@ static void rows_of_unknown_phases_have_their_own_lines_of_sight(void)
     pel_nav_antenna(&nav, &ant, r, v);
     const pel_sd_t a = *row_of(datum()), b = nav.sd.sd[1].prn == a.prn ? nav.sd.sd[2] : nav.sd.sd[1];
     pel_observe_range(&ant, &b, &a, 1.0, &own);
-    tracked(&b)->u_e[0] += 0.01;
+    tracked(&b)->u_e[0] += 0.01f;
     pel_nav_rover_phase_row(&nav, &ant, &b, &a, 1.0, &old);
     const int i_r = pel_model_index(&nav.model, PEL_BLOCK_POSITION);
     TEST_ASSERT_DOUBLE_WITHIN(1e-3, 0.01, fabs((double)(old.h[i_r] - own.h[i_r])));
