@@ -336,7 +336,8 @@ void pel_slip_check(pel_slip_t *s, pel_epoch_t *e, const pel_view_t *view, const
                     pel_nav_counters_t *count)
 {
     pel_nav_counters_t unheard;
-    pass_t p; /* match() fills what it is asked for: the rest is as large as an epoch may be */
+    pass_t p; /* but for `old` not cleared: it is as large as the largest epoch */
+    memset(p.old, 0xFF, sizeof p.old);
     p.e = e;
     p.view = view;
     p.phase_sd_m = s->phase_sd_m;
