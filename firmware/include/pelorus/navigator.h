@@ -147,11 +147,12 @@ typedef struct {
 
 /* What a vehicle on wheels is known to do (navigator/wheels.c). Private. */
 typedef struct {
-    double d_b[3];                               /* direction of travel on the body */
-    double direction_s;                          /* straight driving that it is the mean of */
-    double sum[3], sum_sq[3], n_samples, span_s; /* angular rates of the window under way */
-    double sum_f[3], f_b[3];                     /* specific force of it, and mean of the last */
-    double rest_var, rests; /* variance at rest, of three axes together, and windows it is the mean of */
+    float d_b[3];                                         /* direction of travel on the body */
+    float direction_s;                                    /* straight driving that it is the mean of */
+    float sum[3], sum_sq[3], sum_f[3], n_samples, span_s; /* angular rates and specific force of the window under way */
+    float f_b[3];                                         /* mean of the last window */
+    float rest_var,
+        rests; /* variance of angular rates at rest, of three axes together, and windows it is the mean of */
     bool quiet;
     pel_time_t quiet_since_ns, judged_ns, updated_ns;
 } pel_wheels_t;

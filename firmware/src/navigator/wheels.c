@@ -43,30 +43,30 @@ static double velocity_sd(const pel_navigator_t *nav)
 
 static void learn_rest(pel_wheels_t *w, double var)
 {
-    if (w->rests < 1.0) { w->rest_var = var; }
-    w->rests = pel_min(w->rests + 1.0, RESTS_MOST);
-    w->rest_var +=
-        (pel_min(var, QUIET * w->rest_var) - w->rest_var) / w->rests; /* the jolt of setting off is no rest */
+    const double rests = pel_min((double)w->rests + 1.0, RESTS_MOST);
+    const double before = (w->rests < 1.0f) ? var : (double)w->rest_var;
+    const double seen = pel_min(var, QUIET * before); /* the jolt of setting off is no rest */
+    w->rest_var = (float)(before + (seen - before) / rests);
+    w->rests = (float)rests;
 }
 
 static void end_window(pel_navigator_t *nav)
 {
     pel_wheels_t *w = &nav->wheels;
-    const double n = w->n_samples;
+    const double n = (double)w->n_samples;
     double var = 0.0, change[3];
     for (int k = 0; k < 3; k++) {
-        const double f_b = w->sum_f[k] / w->span_s;
-        change[k] = f_b - w->f_b[k];
-        w->f_b[k] = f_b;
-        var += w->sum_sq[k] / n - w->sum[k] * w->sum[k] / (n * n);
-        w->sum[k] = w->sum_sq[k] = w->sum_f[k] = 0.0;
+        const double f_b = (double)w->sum_f[k] / (double)w->span_s, mean = (double)w->sum[k] / n;
+        change[k] = f_b - (double)w->f_b[k];
+        w->f_b[k] = (float)f_b;
+        var += (double)w->sum_sq[k] / n - mean * mean;
+        w->sum[k] = w->sum_sq[k] = w->sum_f[k] = 0.0f;
     }
-    w->n_samples = 0.0;
-    w->span_s = 0.0;
+    w->n_samples = w->span_s = 0.0f;
     if (!nav->have_state) { return; }
     const double speed = pel_norm3(nav->at_horizon.v_eb_e), sd = velocity_sd(nav);
     if (speed < REST_MPS && sd < LEARN_SD_MPS) { learn_rest(w, var); }
-    w->quiet = w->rests >= RESTS_LEAST && var < QUIET * w->rest_var && pel_norm3(change) < EVEN_MPS2 &&
+    w->quiet = (double)w->rests >= RESTS_LEAST && var < QUIET * (double)w->rest_var && pel_norm3(change) < EVEN_MPS2 &&
                speed < CREEP_MPS + 3.0 * sd;
 }
 
@@ -75,16 +75,16 @@ void pel_nav_wheels_increment(pel_navigator_t *nav, const pel_imu_t *body)
     pel_wheels_t *w = &nav->wheels;
     if (!nav->cfg.wheels) { return; }
     for (int k = 0; k < 3; k++) {
-        const double rate = body->alpha_ib_b[k] / body->dt_s;
+        const float rate = (float)(body->alpha_ib_b[k] / body->dt_s);
         w->sum[k] += rate;
         w->sum_sq[k] += rate * rate;
-        w->sum_f[k] += body->upsilon_ib_b[k];
+        w->sum_f[k] += (float)body->upsilon_ib_b[k];
     }
-    w->n_samples += 1.0;
-    w->span_s += body->dt_s;
-    if (w->span_s < WINDOW_S - 0.5 * body->dt_s) { return; }
+    w->n_samples += 1.0f;
+    w->span_s += (float)body->dt_s;
+    const double span_s = (double)w->span_s;
+    if (span_s < WINDOW_S - 0.5 * body->dt_s) { return; }
     const bool was_quiet = w->quiet;
-    const double span_s = w->span_s;
     end_window(nav);
     if (!was_quiet) { w->quiet_since_ns = body->t_ns - (int64_t)(1e9 * span_s); }
     w->judged_ns = body->t_ns;
@@ -110,15 +110,16 @@ static void stand(pel_navigator_t *nav, const pel_nav_axes_t *axes, const pel_an
 
 /* ---- rolling ------------------------------------------------------------------------------------------------------- */
 
-static bool is_direction(const double d[3])
+static bool is_direction(const float d[3])
 {
-    const double n_sq = pel_dot3(d, d);
-    return n_sq > 0.9 && n_sq < 1.1; /* false for NaN */
+    const float n_sq = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    return n_sq > 0.9f && n_sq < 1.1f; /* false for NaN */
 }
 
 /* Two axes across the direction of travel, and that between them, as the columns of a matrix. */
-static void axes_across(const double d_b[3], double C_v_b[3][3])
+static void axes_across(const float direction_b[3], double C_v_b[3][3])
 {
+    const double d_b[3] = {(double)direction_b[0], (double)direction_b[1], (double)direction_b[2]};
     double right[3], up[3], forward[3];
     const int k = (pel_fabs(d_b[2]) < 0.9) ? 2 : 0;
     double other[3] = {0.0, 0.0, 0.0};
@@ -170,14 +171,17 @@ static void learn_direction(pel_navigator_t *nav, double dt_s)
     if (pel_norm3(omega_b) > LEARN_RPS) { return; }
     pel_mat3_tvec(s->C_b_e, s->v_eb_e, u);
     (void)pel_unit3(u, u);
-    if (!is_direction(w->d_b)) { w->direction_s = 0.0; }
-    if (w->direction_s <= 0.0) {
-        for (int k = 0; k < 3; k++) { w->d_b[k] = u[k]; }
+    if (!is_direction(w->d_b)) { w->direction_s = 0.0f; }
+    const double learnt_s = (double)w->direction_s;
+    const double d_b[3] = {(double)w->d_b[0], (double)w->d_b[1], (double)w->d_b[2]};
+    const double along = (learnt_s > 0.0) ? pel_dot3(d_b, u) : 1.0;
+    const double sign = (along < 0.0) ? -1.0 : 1.0; /* backwards is along the same line */
+    if (learnt_s > LEARN_S && along * sign < STRANGE_COS) { return; }
+    const double total_s = pel_min(learnt_s + dt_s, MEMORY_S), gain = pel_min(1.0, dt_s / total_s);
+    w->direction_s = (float)total_s;
+    for (int k = 0; k < 3; k++) {
+        w->d_b[k] = (float)((learnt_s > 0.0) ? d_b[k] + gain * (sign * u[k] - d_b[k]) : u[k]);
     }
-    const double along = pel_dot3(w->d_b, u), sign = (along < 0.0) ? -1.0 : 1.0; /* backwards is along the same line */
-    if (w->direction_s > LEARN_S && along * sign < STRANGE_COS) { return; }
-    w->direction_s = pel_min(w->direction_s + dt_s, MEMORY_S);
-    for (int k = 0; k < 3; k++) { w->d_b[k] += pel_min(1.0, dt_s / w->direction_s) * (sign * u[k] - w->d_b[k]); }
 }
 
 bool pel_nav_wheels_update(pel_navigator_t *nav)
@@ -188,7 +192,7 @@ bool pel_nav_wheels_update(pel_navigator_t *nav)
     if (!nav->cfg.wheels || !nav->ins || (dt_s >= 0.0 && dt_s < UPDATE_S)) { return false; }
     const bool stands = w->quiet && w->quiet_since_ns <= t_ns && t_ns <= w->judged_ns; /* it may have set off since */
     const bool alone = pel_time_diff_s(t_ns, nav->last_epoch_ns) > ALONE_S;
-    if (!stands && (w->quiet || !alone || w->direction_s < LEARN_S || !is_direction(w->d_b))) { return false; }
+    if (!stands && (w->quiet || !alone || (double)w->direction_s < LEARN_S || !is_direction(w->d_b))) { return false; }
     w->updated_ns = t_ns;
 
     pel_nav_axes_t axes;

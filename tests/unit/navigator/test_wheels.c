@@ -54,10 +54,10 @@ static void the_direction_is_that_of_the_velocity_on_the_body(void)
         carried_course(&world, HEADING + off);
         begin(12.0);
         carried_run(&world, &nav, 25);
-        TEST_ASSERT_TRUE(nav.ins && nav.wheels.direction_s >= 10.0);
-        TEST_ASSERT_DOUBLE_WITHIN(0.03, sin(off), nav.wheels.d_b[0]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.03, cos(off), nav.wheels.d_b[1]);
-        TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.0, nav.wheels.d_b[2]);
+        TEST_ASSERT_TRUE(nav.ins && nav.wheels.direction_s >= 10.0f);
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, sin(off), (double)nav.wheels.d_b[0]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, cos(off), (double)nav.wheels.d_b[1]);
+        TEST_ASSERT_DOUBLE_WITHIN(0.03, 0.0, (double)nav.wheels.d_b[2]);
     }
 }
 
@@ -66,7 +66,7 @@ static void too_slow_to_tell_it_tells_nothing(void)
     begin(3.0);
     carried_run(&world, &nav, 25);
     TEST_ASSERT_TRUE(nav.ins);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, nav.wheels.direction_s);
+    TEST_ASSERT_EQUAL_FLOAT(0.0f, nav.wheels.direction_s);
 }
 
 static void beside_epochs_it_is_as_if_there_were_none(void)
@@ -132,8 +132,8 @@ static void a_direction_that_memory_lost_is_learnt_anew(void)
     without_epochs(5);
     TEST_ASSERT_TRUE(isfinite(nav.at_horizon.v_eb_e[0]));
     carried_run(&world, &nav, 3);
-    TEST_ASSERT_DOUBLE_WITHIN(0.03, 1.0, nav.wheels.d_b[1]);
-    TEST_ASSERT_TRUE(nav.wheels.direction_s < 10.0);
+    TEST_ASSERT_DOUBLE_WITHIN(0.03, 1.0, (double)nav.wheels.d_b[1]);
+    TEST_ASSERT_TRUE(nav.wheels.direction_s < 10.0f);
 }
 
 int main(void)
