@@ -207,6 +207,37 @@ static void little_endian_numbers(void)
     TEST_ASSERT_EQUAL_FLOAT(1.0f, pel_le_f32(p));
 }
 
+/* Members of each size go out in the table's order, lowest byte first, without the struct's padding; and come back into theirs alone. */
+static void members_of_a_struct_go_out_and_come_back(void)
+{
+    typedef struct {
+        uint8_t u8;
+        uint64_t u64;
+        uint16_t u16[2];
+        uint32_t u32;
+        uint32_t not_sent;
+    } members_t;
+    static const pel_member_t TABLE[] = {PEL_MEMBER(members_t, u32), PEL_ARRAY(members_t, u16),
+                                         PEL_MEMBER(members_t, u64), PEL_MEMBER(members_t, u8)};
+    static const uint8_t EXPECTED[18] = {4,    3,    2,    1,    0xBB, 0xAA, 0xDD, 0xCC, 0x18,
+                                         0x17, 0x16, 0x15, 0x14, 0x13, 0x12, 0x11, 0xEE, 0x5A};
+    const members_t from = {
+        .u8 = 0xEE, .u64 = UINT64_C(0x1112131415161718), .u16 = {0xAABB, 0xCCDD}, .u32 = 0x01020304, .not_sent = 7};
+    members_t to = {.not_sent = 9};
+    uint8_t p[18] = {[17] = 0x5A};
+    TEST_ASSERT_EQUAL_size_t(17, pel_members_bytes(TABLE, 4));
+    TEST_ASSERT_EQUAL_size_t(0, pel_members_bytes(TABLE, 0));
+    TEST_ASSERT_EQUAL_size_t(17, pel_members_put(TABLE, 4, &from, p));
+    TEST_ASSERT_EQUAL_HEX8_ARRAY(EXPECTED, p, sizeof p);
+    TEST_ASSERT_EQUAL_size_t(17, pel_members_get(TABLE, 4, p, &to));
+    TEST_ASSERT_EQUAL_HEX8(from.u8, to.u8);
+    TEST_ASSERT_EQUAL_HEX64(from.u64, to.u64);
+    TEST_ASSERT_EQUAL_HEX16(from.u16[0], to.u16[0]);
+    TEST_ASSERT_EQUAL_HEX16(from.u16[1], to.u16[1]);
+    TEST_ASSERT_EQUAL_HEX32(from.u32, to.u32);
+    TEST_ASSERT_EQUAL_UINT32(9, to.not_sent);
+}
+
 static void rounding_and_powers(void)
 {
     TEST_ASSERT_EQUAL_INT64(3, pel_round_i64(2.5));
@@ -257,6 +288,7 @@ int main(void)
     RUN_TEST(a_writer_tells_values_that_do_not_fit);
     RUN_TEST(a_writer_tells_overflow_and_range);
     RUN_TEST(little_endian_numbers);
+    RUN_TEST(members_of_a_struct_go_out_and_come_back);
     RUN_TEST(rounding_and_powers);
     return UNITY_END();
 }

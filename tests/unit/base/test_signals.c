@@ -23,18 +23,26 @@ static void carriers_have_their_published_frequencies(void)
     };
     for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
         TEST_ASSERT_EQUAL_DOUBLE(CASE[i].hz, pel_carrier_hz(CASE[i].sys, CASE[i].carrier, CASE[i].k));
+        TEST_ASSERT_EQUAL_DOUBLE(PEL_SPEED_OF_LIGHT / CASE[i].hz,
+                                 pel_carrier_wavelength_m(CASE[i].sys, CASE[i].carrier, CASE[i].k));
     }
 }
 
-static void what_does_not_exist_has_no_frequency(void)
+static void what_does_not_exist_has_neither_frequency_nor_wavelength(void)
 {
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz(PEL_N_SYS, PEL_CARRIER_L1, 0));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz((pel_sys_t)-1, PEL_CARRIER_L1, 0));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz(PEL_SYS_GPS, PEL_N_CARRIER, 0));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz(PEL_SYS_GPS, (pel_carrier_t)-1, 0));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz(PEL_SYS_GLO, PEL_CARRIER_L1, -8));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz(PEL_SYS_GLO, PEL_CARRIER_L1, 7));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz(PEL_SYS_GLO, PEL_CARRIER_L5, 0)); /* no frequency of its own there */
+    static const struct {
+        pel_sys_t sys;
+        pel_carrier_t carrier;
+        int k;
+    } CASE[] = {
+        {PEL_N_SYS, PEL_CARRIER_L1, 0},      {(pel_sys_t)-1, PEL_CARRIER_L1, 0}, {PEL_SYS_GPS, PEL_N_CARRIER, 0},
+        {PEL_SYS_GPS, (pel_carrier_t)-1, 0}, {PEL_SYS_GLO, PEL_CARRIER_L1, -8},  {PEL_SYS_GLO, PEL_CARRIER_L1, 7},
+        {PEL_SYS_GLO, PEL_CARRIER_L5, 0}, /* no frequency of its own there */
+    };
+    for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_hz(CASE[i].sys, CASE[i].carrier, CASE[i].k));
+        TEST_ASSERT_EQUAL_DOUBLE(0.0, pel_carrier_wavelength_m(CASE[i].sys, CASE[i].carrier, CASE[i].k));
+    }
 }
 
 static void systems_have_letters_and_a_last_satellite(void)
@@ -57,7 +65,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(carriers_have_their_published_frequencies);
-    RUN_TEST(what_does_not_exist_has_no_frequency);
+    RUN_TEST(what_does_not_exist_has_neither_frequency_nor_wavelength);
     RUN_TEST(systems_have_letters_and_a_last_satellite);
     return UNITY_END();
 }
