@@ -3,7 +3,8 @@
 Found from the recording itself, by physics: the IMU's y axis is forward (its specific force is the track's acceleration along the course), z up, so
 gyro z falls when the course turns right; its times are UTC (innovations of the Doppler are smallest with the 18 leap seconds added, to 0.02 s).
 Where it lies from the antenna is not known. The table's maker had taken out the receiver's clock, the satellites' clocks and group delays
-(tests/peers/test_obs_csv.py). Heights of the track are those of a base that its header puts 15 m too high, so figures are horizontal.
+(tests/peers/test_obs_csv.py). The track stands on the base's header position, which is ten metres or so above where the base's own codes
+put it (more or less by the ionosphere assumed), so figures are horizontal.
 """
 
 import csv
