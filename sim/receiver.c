@@ -237,7 +237,8 @@ static void measure(receiver_t *r, const sat_t *sat, const signal_t *signal, con
                     double t_s, pel_obs_t *o)
 {
     const double f1 = pel_carrier_hz(PEL_SYS_GPS, PEL_CARRIER_L1, 0);
-    const double f = pel_carrier_hz((pel_sys_t)signal->sys, (pel_carrier_t)signal->carrier, 0);
+    const bool rdss = r->cfg.rdss_hz > 0.0 && signal->sys == PEL_SYS_BDS && signal->carrier == PEL_CARRIER_B1I;
+    const double f = rdss ? r->cfg.rdss_hz : pel_carrier_hz((pel_sys_t)signal->sys, (pel_carrier_t)signal->carrier, 0);
     const double lambda = WORLD_C / f;
     const double iono = g->iono_m * f1 * f1 / (f * f);
     const double s = sin(g->el);

@@ -58,6 +58,7 @@ typedef struct {
     double code_m, phase_m, doppler_mps; /* 1 sigma at the zenith */
     bool elevation_law;                  /* variance grows as (1 + 1/sin^2 el)/2; else the same everywhere */
     double multipath_code_m, multipath_phase_m, multipath_tau_s; /* Gauss-Markov per signal, 1 sigma */
+    double rdss_hz;       /* what it gives as BeiDou B1I is of this carrier; 0: it is B1I */
     double path_walk_m;   /* each satellite's path and transponder: random walk, m/sqrt(s) */
     double path_rate_mps; /* and drift and its rate, drawn once a satellite */
     double path_accel_mps2;

@@ -257,6 +257,7 @@ static void read_receiver(const table_t *root, const char *name, double latency_
     c->multipath_code_m = positive(&t, "multipath_code_m", 0.0, 1.0);
     c->multipath_phase_m = positive(&t, "multipath_phase_m", 0.0, 1.0);
     c->multipath_tau_s = positive(&t, "multipath_tau_s", 60.0, 1.0);
+    c->rdss_hz = positive(&t, "rdss_mhz", 0.0, 1e6);
     c->path_walk_m = positive(&t, "path_walk_m", 0.0, 1.0);
     c->path_rate_mps = positive(&t, "path_rate_mps", 0.0, 1.0);
     c->path_accel_mps2 = positive(&t, "path_accel_mps2", 0.0, 1.0);

@@ -199,6 +199,7 @@ static void read_gnss(config_file_t *c, pel_nav_config_t *cfg)
     if (!cfg->no_ionosphere && strcmp(ionosphere, "broadcast") != 0) {
         config_file_complain(c, "navigator.gnss.ionosphere", "is one of broadcast, none");
     }
+    cfg->rdss_hz = 1e6 * within(c, "navigator.gnss.rdss_mhz", 1e-6 * cfg->rdss_hz, 0.0, 1e4);
     cfg->single_code_tau_s = within(c, "navigator.gnss.single_code_tau_s", cfg->single_code_tau_s, 0.0, 1e5);
     cfg->single_lasting_tau_s = within(c, "navigator.gnss.single_lasting_tau_s", cfg->single_lasting_tau_s, 0.0, 1e5);
     cfg->single_path_m_rts = within(c, "navigator.gnss.single_path_m_rts", cfg->single_path_m_rts, 0.0, 1.0);

@@ -77,15 +77,16 @@ typedef struct {
     uint8_t observe;                 /* PEL_OBS_CODE, _PHASE, _DOPPLER: what is used of an observation */
     pel_noise_config_t noise;        /* undifferenced observations; relative positioning */
     pel_noise_config_t noise_single; /* the same for a receiver alone: orbit, clock and atmosphere errors are in it */
-    bool no_ionosphere;              /* apply no ionosphere model: simulations without one */
-    double single_code_tau_s;        /* correlation time of a single receiver's code errors */
-    double single_lasting_tau_s;     /* and of those that last as long as phases carry the position */
-    double single_path_m_rts;        /* orbit, clock, atmosphere in its phases: random walk, m/sqrt(s) */
-    double single_rate_mps;          /* and a rate of its own, 1 sigma at the start; 0: none */
-    double single_phase_tau_s;       /* correlation time of its multipath; 0: white */
-    double code_tau_s, phase_tau_s;  /* the same against a base: multipath. 0: white */
-    bool float_code;                 /* PEL_PRESET_INS_FLOAT: codes are used beside phases */
-    bool learn_noise;                /* fit the variances of codes and phases to what they leave over */
+    double rdss_hz;     /* what arrives as BeiDou B1I is of this carrier (RDSS: 2491.75 MHz); 0: it is B1I. A float */
+    bool no_ionosphere; /* apply no ionosphere model: simulations without one */
+    double single_code_tau_s;       /* correlation time of a single receiver's code errors */
+    double single_lasting_tau_s;    /* and of those that last as long as phases carry the position */
+    double single_path_m_rts;       /* orbit, clock, atmosphere in its phases: random walk, m/sqrt(s) */
+    double single_rate_mps;         /* and a rate of its own, 1 sigma at the start; 0: none */
+    double single_phase_tau_s;      /* correlation time of its multipath; 0: white */
+    double code_tau_s, phase_tau_s; /* the same against a base: multipath. 0: white */
+    bool float_code;                /* PEL_PRESET_INS_FLOAT: codes are used beside phases */
+    bool learn_noise;               /* fit the variances of codes and phases to what they leave over */
     float base_max_age_s;
     float base_wait_s;   /* hold a rover epoch up to this long for its base epoch */
     float apply_delay_s; /* hold an epoch this long, so that one that arrives out of order still counts */

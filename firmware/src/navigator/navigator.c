@@ -212,6 +212,16 @@ static bool any_allowed(const pel_navigator_t *nav, const pel_epoch_t *e)
     return false;
 }
 
+/* Cycles of another carrier become cycles of B1I, and the phase a float: its ambiguity is no integer of them. */
+static void from_rdss(double rdss_hz, pel_obs_t *obs)
+{
+    if (obs->sys != PEL_SYS_BDS || obs->carrier != PEL_CARRIER_B1I) { return; }
+    const double ratio = pel_carrier_hz(PEL_SYS_BDS, PEL_CARRIER_B1I, 0) / rdss_hz;
+    obs->L_cyc *= ratio;
+    obs->D_hz = (float)((double)obs->D_hz * ratio);
+    obs->flags |= PEL_OBS_HALF_CYCLE;
+}
+
 /* Keep what the configuration allows. */
 static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_epoch_t *out)
 {
@@ -221,7 +231,10 @@ static void copy_allowed(const pel_navigator_t *nav, const pel_epoch_t *in, pel_
     out->n = 0;
     for (int i = 0; i < in->n && i < PEL_MAX_OBS; i++) {
         const pel_obs_t *obs = &in->obs[i];
-        if (allowed(nav, obs)) { out->obs[out->n++] = *obs; }
+        if (!allowed(nav, obs)) { continue; }
+        out->obs[out->n] = *obs;
+        if (nav->cfg.rdss_hz > 0.0) { from_rdss(nav->cfg.rdss_hz, &out->obs[out->n]); }
+        out->n++;
     }
 }
 

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "../../../firmware/src/navigator/internal.h"
 #include "pelorus/math.h"
 #include "pelorus/navigator.h"
 #include "unity.h"
@@ -201,6 +202,34 @@ static void heights_that_cannot_be_never_enter(void)
     }
 }
 
+/* Kept until the IMU has passed it; of the carrier that the configuration tells, cycles become those of B1I and a float. */
+static void phases_of_another_carrier_on_b1i_keep_their_metres(void)
+{
+    static const struct {
+        uint8_t sys, carrier;
+        bool other;
+    } of[] = {{PEL_SYS_BDS, PEL_CARRIER_B1I, true},
+              {PEL_SYS_BDS, PEL_CARRIER_B3I, false},
+              {PEL_SYS_GPS, PEL_CARRIER_L1, false}};
+    static pel_epoch_t epoch;
+    nav.cfg.rdss_hz = 2491.75e6;
+    nav.cfg.systems = nav.cfg.carriers = 0xFF;
+    pel_nav_seal_config(&nav);
+    epoch = (pel_epoch_t){.t_ns = T0 + PEL_NS_PER_S, .n = 3};
+    for (int i = 0; i < 3; i++) {
+        epoch.obs[i] = (pel_obs_t){.sys = of[i].sys, .carrier = of[i].carrier, .prn = 3, .L_cyc = 3e8, .D_hz = 100.0f};
+    }
+    pel_navigator_push_rover(&nav, &epoch);
+    TEST_ASSERT_EQUAL_INT(1, nav.n_rover);
+    for (int i = 0; i < 3; i++) {
+        const pel_obs_t *o = &nav.rover[0].obs[i];
+        const double f = of[i].other ? 2491.75e6 : pel_carrier_hz(of[i].sys, of[i].carrier, 0);
+        TEST_ASSERT_DOUBLE_WITHIN(1e-6, 3e8 * PEL_SPEED_OF_LIGHT / f, o->L_cyc * pel_obs_lambda_m(o));
+        TEST_ASSERT_DOUBLE_WITHIN(1e-5, 100.0 * PEL_SPEED_OF_LIGHT / f, (double)o->D_hz * pel_obs_lambda_m(o));
+        TEST_ASSERT_EQUAL_INT(of[i].other, (o->flags & PEL_OBS_HALF_CYCLE) != 0);
+    }
+}
+
 int main(void)
 {
     UNITY_BEGIN();
@@ -219,5 +248,6 @@ int main(void)
     RUN_TEST(samples_that_overlap_are_shortened_and_counted);
     RUN_TEST(a_time_or_a_length_that_cannot_be_never_enters);
     RUN_TEST(heights_that_cannot_be_never_enter);
+    RUN_TEST(phases_of_another_carrier_on_b1i_keep_their_metres);
     return UNITY_END();
 }
