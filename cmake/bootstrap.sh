@@ -50,7 +50,7 @@ fetch_unity() {
     local sha=cd3ceb4aeb4f7866f935957f91874999d8ae13ff014684464ade0b7071e28298
     [ ! -e "$deps/unity/src/unity.c" ] || return 0
     echo "fetching Unity (pytest-unity 0.1.0)"
-    "$deps/venv/bin/pip" download -q --no-binary :all: --no-deps -d "$deps/dl" pytest-unity==0.1.0
+    "$deps/venv/bin/pip" download -q --no-binary pytest-unity --no-deps -d "$deps/dl" pytest-unity==0.1.0
     echo "$sha  $deps/dl/$sdist" | sha256sum -c --quiet -
     tar xzf "$deps/dl/$sdist" -C "$deps/dl"
     rm -rf "$deps/unity"

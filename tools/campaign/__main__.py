@@ -58,6 +58,8 @@ def body(argv):
     count = "quick" if args.quick else "seeds"
     wanted = lambda c: args.only.lower() in f"{c['system']} {c['name']}".lower()
     cases = [c for c in table["case"] if wanted(c) and c[count] > 0]
+    if not cases:
+        p.error(f"no case's system and name contain '{args.only}'")
     found = campaign(cases, count, args.jobs, cli.Progress("flights", args.quiet))
     new = {judge.title(case): judge.words(case, f) for case, f in found}
     print("\n".join(new.values()))

@@ -124,6 +124,7 @@ typedef struct {
     double sd_level_rad;    /* of each of the two tilts */
     double sd_heading_rad;  /* PI if heading is unknown (C_b_e then holds heading 0) */
     double cov_psi_e[3][3]; /* rad^2, of the attitude error resolved in e, from the two above and their coupling */
+    bool leans_on_sensors;  /* and most of it is what sensor errors make of it: pel_align_sensor_part() */
 } pel_alignment_t;
 
 typedef struct {
@@ -162,6 +163,11 @@ pel_status_t pel_align_mean(const pel_align_t *a, double f_ib_b[3], double omega
  * PEL_E_MISSING: nothing averaged. PEL_E_GEOMETRY: specific force or Earth rate do not fit the place (25 % off in magnitude). */
 pel_status_t pel_align_gyrocompass(const pel_align_t *a, double lat, double lon, double h, double sd_heading_max_rad,
                                    pel_alignment_t *out);
+
+/* What sensor errors (measured - true, b) make of the attitude that pel_align_gyrocompass() gives: psi_e = A_f Delta_b + A_w eps_b
+ * (Groves 2013, 5.83 to 5.90). Tilt hides the accelerometers' errors, heading that of the gyro that lies east. */
+void pel_align_sensor_part(const double C_b_e[3][3], double lat, double lon, double h, double A_f[3][3],
+                           double A_w[3][3]);
 
 /* Roll and pitch from specific force and known acceleration, heading given (a velocity's course, a compass, two antennas).
  *

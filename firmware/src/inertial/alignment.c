@@ -129,7 +129,28 @@ pel_status_t pel_align_gyrocompass(const pel_align_t *a, double lat, double lon,
     out->sd_level_rad = sd_level;
     out->sd_heading_rad = sd_heading;
     covariance_of_psi(sd_level, sd_heading, tan_lat, lat, lon, out->cov_psi_e);
+    out->leans_on_sensors = true;
     return PEL_OK;
+}
+
+/* From C f = g up and (C omega) east = 0 to first order: psi_E = Delta_N/g, psi_N = -Delta_E/g, psi_U = (eps_E + omega_U psi_N)/omega_N. */
+void pel_align_sensor_part(const double C_b_e[3][3], double lat, double lon, double h, double A_f[3][3],
+                           double A_w[3][3])
+{
+    double r_e[3], g_e[3], C_e_enu[3][3], C_b_enu[3][3], sin_lat, cos_lat;
+    pel_earth_llh_to_ecef(lat, lon, h, r_e);
+    pel_earth_gravity_e(r_e, g_e);
+    pel_sincos(lat, &sin_lat, &cos_lat);
+    const double per_g = 1.0 / pel_norm3(g_e), per_omega_N = 1.0 / (PEL_OMEGA_IE * cos_lat);
+    const double F[3][3] = {{0.0, per_g, 0.0}, {-per_g, 0.0, 0.0}, {-per_g * sin_lat / cos_lat, 0.0, 0.0}};
+    const double W[3][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, {per_omega_N, 0.0, 0.0}};
+    double part[3][3];
+    pel_earth_C_e_enu(lat, lon, C_e_enu);
+    pel_mat3_mul(C_e_enu, C_b_e, C_b_enu);
+    pel_mat3_mul(F, C_b_enu, part);
+    pel_mat3_tmul(C_e_enu, part, A_f);
+    pel_mat3_mul(W, C_b_enu, part);
+    pel_mat3_tmul(C_e_enu, part, A_w);
 }
 
 pel_status_t pel_align_level(const double f_ib_b[3], const double a_eb_enu[3], double heading, double sd_heading,

@@ -82,6 +82,15 @@ static bool model_is_sound(const pel_navigator_t *nav)
            memcmp(nav->model.size, expected.size, sizeof expected.size) == 0;
 }
 
+/* Every push ends with the loop closed: what is in x between two of them is nobody's. */
+static bool loop_is_closed(const pel_navigator_t *nav)
+{
+    for (int i = 0; i < nav->ud.n; i++) {
+        if (nav->ud.x[i] != PEL_R(0.0)) { return false; }
+    }
+    return true;
+}
+
 static bool track_is_sound(const pel_navigator_t *nav)
 {
     for (int i = 0; i < nav->track.n; i++) {
@@ -138,7 +147,7 @@ bool pel_nav_is_sound(const pel_navigator_t *nav)
                  within(nav->slip_base.n, PEL_MAX_OBS) && within(nav->sd.n, PEL_MAX_OBS);
     for (int i = 0; sound && i < nav->n_rover; i++) { sound = epoch_is_sound(&nav->rover[i]); }
     for (int i = 0; sound && i < nav->n_base; i++) { sound = epoch_is_sound(&nav->base[i]); }
-    return sound && (!nav->have_state || (model_is_sound(nav) && track_is_sound(nav)));
+    return sound && (!nav->have_state || (model_is_sound(nav) && track_is_sound(nav) && loop_is_closed(nav)));
 }
 
 void pel_nav_begin_anew(pel_navigator_t *nav)

@@ -16,6 +16,7 @@
 #define LEVEL_SD_RAD       (4.0 * PEL_DEG)
 #define COURSE_SD_RAD      (15.0 * PEL_DEG) /* crab, and a forward axis mounted by hand */
 #define COMPASS_SD_MAX_RAD (3.0 * PEL_DEG)
+#define SHAKE_RAD          2e-6 /* of a vehicle that stands */
 #define IMU_READY_NS       (50 * PEL_NS_PER_MS)
 
 void pel_nav_reset_alignment(pel_navigator_t *nav)
@@ -170,6 +171,7 @@ static void calibrate_gyros(pel_navigator_t *nav, const double C_b_e[3][3], pel_
 static bool find_attitude(pel_navigator_t *nav, pel_alignment_t *out)
 {
     double lat, lon, h;
+    out->leans_on_sensors = false;
     pel_earth_ecef_to_llh(nav->at_horizon.r_eb_e, &lat, &lon, &h);
     if (nav->attitude_given) {
         carry_given_attitude(nav, nav->at_horizon.t_ns, lat, lon, out);
@@ -211,6 +213,51 @@ static pel_status_t antenna_to_imu(pel_navigator_t *nav)
     return pel_ud_time_update(&nav->ud, &t);
 }
 
+/* How much of a Markov error's mean over a span is still there at its end: correlation, 1 sigma. */
+static double kept(double span_s, double tau_s)
+{
+    const double x = span_s / tau_s;
+    return (x < 1e-3) ? 1.0 : (1.0 - pel_exp(-x)) / x;
+}
+
+/* An attitude from a standing IMU and the IMU's errors are one lump: what of the attitude is noise is uncorrelated, the rest follows from the
+ * sensor states, so that rows that show the one show the other. */
+static pel_status_t lean_on_sensors(pel_navigator_t *nav)
+{
+    const pel_imu_model_t *imu = &nav->cfg.imu;
+    const double t_s = nav->align.t_static_s;
+    const double keep_f = kept(t_s, imu->tau_am_s), keep_w = kept(t_s, imu->tau_gm_s);
+    const double var_f =
+        imu->vrw_mps_rts * imu->vrw_mps_rts / t_s + imu->sd_am_mps2 * imu->sd_am_mps2 * (1.0 - keep_f * keep_f);
+    const double var_w =
+        imu->arw_rad_rts * imu->arw_rad_rts / t_s + imu->sd_gm_radps * imu->sd_gm_radps * (1.0 - keep_w * keep_w);
+    const int i_psi = pel_model_index(&nav->model, PEL_BLOCK_ATTITUDE);
+    double lat, lon, h, A_f[3][3], A_w[3][3], P[3][3];
+    pel_transition_t t;
+    pel_earth_ecef_to_llh(nav->at_horizon.r_eb_e, &lat, &lon, &h);
+    pel_align_sensor_part(nav->at_horizon.C_b_e, lat, lon, h, A_f, A_w);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            const double level = var_f * pel_dot3(A_f[i], A_f[j]), heading = var_w * pel_dot3(A_w[i], A_w[j]);
+            P[i][j] = level + heading + ((i == j) ? SHAKE_RAD * SHAKE_RAD : 0.0);
+        }
+    }
+    pel_status_t status = pel_ud_set_block3(&nav->ud, i_psi, P);
+    if (status != PEL_OK) { return status; }
+    memset(&t, 0, sizeof t);
+    t.n = nav->model.n;
+    pel_nav_add_block(&t, i_psi, pel_model_index(&nav->model, PEL_BLOCK_GYRO_CONSTANT), A_w);
+    for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < 3; j++) {
+            A_w[i][j] *= keep_w;
+            A_f[i][j] *= keep_f;
+        }
+    }
+    pel_nav_add_block(&t, i_psi, pel_model_index(&nav->model, PEL_BLOCK_GYRO_MARKOV), A_w);
+    pel_nav_add_block(&t, i_psi, pel_model_index(&nav->model, PEL_BLOCK_ACCEL_MARKOV), A_f);
+    return pel_ud_time_update(&nav->ud, &t);
+}
+
 static pel_status_t begin_filter(pel_navigator_t *nav, const pel_alignment_t *attitude)
 {
     pel_antenna_t ant;
@@ -247,6 +294,7 @@ static void begin_ins(pel_navigator_t *nav, const pel_alignment_t *attitude)
     nav->ins = true;
     nav->attitude_given = false; /* that of the first increment: good for one start */
     pel_mat3_copy(attitude->C_b_e, nav->at_horizon.C_b_e);
+    if (status == PEL_OK && attitude->leans_on_sensors) { status = lean_on_sensors(nav); }
     if (status == PEL_OK) { status = antenna_to_imu(nav); }
     if (status == PEL_OK) { status = pel_nav_vehicle_begin(nav); }
     if (status != PEL_OK) {

@@ -131,6 +131,35 @@ static void gyrocompass_is_as_good_as_it_says(void)
     TEST_ASSERT_TRUE(worst_units < 4.5);
 }
 
+/* Against the attitude that a gyrocompass finds with that error and without. */
+static void what_sensor_errors_make_of_attitude_is_told_to_first_order(void)
+{
+    static const pel_align_config_t QUIET = {.block_s = 0.25, .gyro_tol_radps = 1.0, .accel_tol_mps2 = 1.0};
+    double truth[3][3], A_f[3][3], A_w[3][3], C_e_enu[3][3];
+    pel_attitude_to_C_b_e(0.2, -0.1, 0.6, LAT, LON, truth);
+    pel_align_sensor_part(truth, LAT, LON, H, A_f, A_w);
+    pel_earth_C_e_enu(LAT, LON, C_e_enu);
+    for (int k = 0; k < 6; k++) {
+        const double size = (k < 3) ? 1e-3 : 1e-8;
+        double f[3], w[3], psi[3], told[3];
+        pel_align_t a;
+        pel_alignment_t out;
+        at_rest(truth, f, w);
+        if (k < 3) { f[k] += size; }
+        if (k >= 3) { w[k - 3] += size; }
+        pel_align_init(&a, &QUIET);
+        push_static(&a, f, w, 1.0, 0.25, &QUIET);
+        TEST_ASSERT_EQUAL(PEL_OK, pel_align_gyrocompass(&a, LAT, LON, H, PEL_PI, &out));
+        TEST_ASSERT_TRUE(out.leans_on_sensors);
+        error_enu(out.C_b_e, truth, psi);
+        for (int i = 0; i < 3; i++) {
+            told[i] = 0.0;
+            for (int j = 0; j < 3; j++) { told[i] += C_e_enu[i][j] * size * ((k < 3) ? A_f[j][k] : A_w[j][k - 3]); }
+            TEST_ASSERT_DOUBLE_WITHIN(1e-3 * 1e-4, told[i], psi[i]);
+        }
+    }
+}
+
 /* An accelerometer error alone: it tilts, and the tilt about north turns the heading by tan(lat) of itself. */
 static void tilt_couples_into_heading(void)
 {
@@ -338,6 +367,7 @@ int main(void)
 {
     UNITY_BEGIN();
     RUN_TEST(gyrocompass_is_as_good_as_it_says);
+    RUN_TEST(what_sensor_errors_make_of_attitude_is_told_to_first_order);
     RUN_TEST(tilt_couples_into_heading);
     RUN_TEST(a_coarse_gyro_gives_level_only);
     RUN_TEST(motion_restarts_the_average);

@@ -155,6 +155,8 @@ static void what_an_epoch_reads(void)
         SPOIL(base[2].obs[0].carrier, PEL_N_CARRIER),
         SPOIL(model.first[PEL_BLOCK_VELOCITY], 40),
         SPOIL(model.size[PEL_BLOCK_GYRO_CONSTANT], 0),
+        SPOIL(ud.x[0], 1),
+        SPOIL(ud.x[17], 0x3F800000),
         SPOIL(track.entry[0].state, -2),
         SPOIL(track.entry[0].state, PEL_MAX_STATES),
         SPOIL(vehicle.height_state, -2),
