@@ -162,7 +162,7 @@ void le_integers(void)
 /* PROVE le_floats: floats of any bits are read and written inside their bytes
  * sources base/bits.c
  * flags --unwind 10
- * plant base/bits.c: pel_le_put(p, 8, bits) => pel_le_put(p, 9, bits) */
+ * plant base/bits.c: pel_le_put(p, 8, pel_f64_bits(value)) => pel_le_put(p, 9, pel_f64_bits(value)) */
 void le_floats(void)
 {
     uint8_t in[8], out[8] = {0};

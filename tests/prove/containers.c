@@ -13,7 +13,7 @@ static void any_ring(pel_imu_ring_t *ring)
 
 /* PROVE ring_push: an increment of any numbers into a ring of any filling
  * sources inertial/imu_ring.c
- * flags --unwind 19 -DPEL_IMU_RING=16
+ * flags --boolector --unwind 19 -DPEL_IMU_RING=16
  * quick
  * plant inertial/imu_ring.c: (ring->head + 1u) & (PEL_IMU_RING - 1u) => ring->head + 1u */
 void ring_push(void)
@@ -53,9 +53,9 @@ void ring_after(void)
 }
 
 /* PROVE imu_split: at any time of messages, whatever the increment holds
- * sources inertial/imu_ring.c
+ * sources inertial/imu_ring.c base/time.c
  * flags --any-floats --unwind 5 -DPEL_IMU_RING=16
- * plant inertial/imu_ring.c: (double)(w.t_ns - t_ns) => (double)(4 * w.t_ns - t_ns) */
+ * plant inertial/imu_ring.c: i < 3; i++) {\n        second->alpha_ib_b[i] => i < 4; i++) {\n        second->alpha_ib_b[i] */
 void imu_split(void)
 {
     pel_imu_t whole, first, second;

@@ -29,7 +29,7 @@ void ud_init(void)
 /* PROVE ud_ph: covariances along a row that begins anywhere in the filter
  * sources filter/update.c
  * flags --unwind 8 --any-floats -DPEL_MAX_STATES=18
- * plant filter/update.c: for (; j + 2 <= n; j += 2) {\n        const pel_real *v => for (; j + 2 <= n + 1; j += 2) {\n        const pel_real *v */
+ * plant filter/update.c: for (int i = 0; i < j; i++) { out[i] += u[i] * df; } => for (int i = 0; i <= j + 1; i++) { out[i] += u[i] * df; } */
 void ud_ph(void)
 {
     pel_ud_t ud;
@@ -44,7 +44,7 @@ void ud_ph(void)
  * sources filter/update.c
  * flags --unwind 20 --any-floats -DPEL_MAX_STATES=18
  * quick
- * plant filter/update.c: k < ud->n; k++) { sum += ud->U[column(k) + low] => k <= ud->n; k++) { sum += ud->U[column(k) + low] */
+ * plant filter/update.c: k < ud->n; k++) {\n        u += k - 1;\n        sum += u[low] => k <= ud->n; k++) {\n        u += k - 1;\n        sum += u[low] */
 void ud_cov(void)
 {
     pel_ud_t ud;
@@ -120,7 +120,7 @@ void ud_set_block3(void)
 /* PROVE ud_check: reads only what is in use
  * sources filter/states.c
  * flags --unwind 155 --any-floats -DPEL_MAX_STATES=18
- * plant filter/states.c: k < column(ud->n); => k < column(ud->n + 1); */
+ * plant filter/states.c: &ud->U[column(ud->n)]; u != end => &ud->U[column(ud->n + 1)]; u != end */
 void ud_check(void)
 {
     pel_ud_t ud;

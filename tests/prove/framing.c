@@ -50,7 +50,7 @@ static pel_probe_t any_probe(const uint8_t *p, size_t n, size_t *length)
 /* PROVE frame_next: whatever the probe answers, the search ends and the filling stays in bounds
  * sources wire/framing.c
  * flags --unwind 8
- * plant wire/framing.c: reject(buf, fill, count, at);\n            if (!final) { return false; }\n            break;\n        case PEL_PROBE_BAD_CHECKSUM => count->noise_bytes += *fill / (uint32_t)(6u - at); if (!final) { return false; }\n            break;\n        case PEL_PROBE_BAD_CHECKSUM */
+ * plant wire/framing.c: *fill = 0;\n    return false; => *fill = (uint16_t)(*fill + 1u);\n    return false; */
 void frame_next(void)
 {
     uint8_t buf[6];
