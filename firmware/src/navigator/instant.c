@@ -6,6 +6,7 @@
 #define STALE_CLOCK_S 60.0
 #define WEAK_VAR_M2   25.0
 #define LOST_SD_M     20.0
+#define AGREE_M       300.0 /* codes at a place that an INS knows after minutes; orbits of another hour are off by far more */
 
 static double zenith_sd(double a, double b)
 {
@@ -19,7 +20,8 @@ static void insert_sorted(double *x, int n, double v)
     x[j] = v;
 }
 
-/* The receiver's clock from codes alone where the place is known: the median, for too few satellites for a single-point solution. */
+/* The receiver's clock from codes alone where the place is known: the median, for too few satellites for a single-point solution. The half
+ * of them around it must agree, or the epoch is not of the time it says. */
 static bool clock_at_place(pel_navigator_t *nav, const pel_epoch_t *rover, double *clk_m)
 {
     double residual[PEL_MAX_SATS], place[3];
@@ -39,8 +41,9 @@ static bool clock_at_place(pel_navigator_t *nav, const pel_epoch_t *rover, doubl
         if (s == NULL || !pel_obs_usable(o, PEL_OBS_CODE)) { continue; }
         insert_sorted(residual, n++, o->P_m - pel_sight_code_m(s, o));
     }
-    *clk_m = (n > 0) ? residual[n / 2] : 0.0;
-    return n > 0;
+    if (n < 2 || residual[3 * n / 4] - residual[n / 4] > AGREE_M) { return false; }
+    *clk_m = residual[n / 2];
+    return true;
 }
 
 /* True receive time of the epoch. Single-point solution if there is one, else the receiver clock of the last one. */

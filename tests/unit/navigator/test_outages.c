@@ -187,6 +187,19 @@ static void a_receiver_clock_a_minute_old_is_found_again_from_the_place_the_ins_
     TEST_ASSERT_TRUE(nav.ins);
 }
 
+static void codes_that_disagree_at_that_place_tell_no_clock(void)
+{
+    with_ins();
+    nav.spp.t_ns -= 60 * PEL_NS_PER_S;
+    carried_observe(&world, &base, &rover);
+    keep_satellites(3);
+    for (int i = 0; i < rover.n; i++) { rover.obs[i].P_m += 1e5 * rover.obs[i].prn; } /* orbits of another hour */
+    const uint32_t used = nav.counters.epochs_used;
+    carried_push(&world, &nav, &base, &rover);
+    TEST_ASSERT_EQUAL_UINT32(used, nav.counters.epochs_used);
+    TEST_ASSERT_TRUE(nav.ins);
+}
+
 static void three_satellites_start_nothing(void)
 {
     carried_observe(&world, &base, &rover);
@@ -374,6 +387,7 @@ int main(void)
     RUN_TEST(gnss_alone_stays_where_it_is_for_no_time);
     RUN_TEST(three_satellites_hold_a_position_that_is_known);
     RUN_TEST(a_receiver_clock_a_minute_old_is_found_again_from_the_place_the_ins_knows);
+    RUN_TEST(codes_that_disagree_at_that_place_tell_no_clock);
     RUN_TEST(three_satellites_start_nothing);
     RUN_TEST(phases_without_a_base_are_no_epoch);
     RUN_TEST(a_base_epoch_of_unknown_satellites_is_passed_over);
