@@ -13,9 +13,9 @@ static void any_ring(pel_imu_ring_t *ring)
 
 /* PROVE ring_push: an increment of any numbers into a ring of any filling
  * sources inertial/imu_ring.c
- * flags --boolector --unwind 19 -DPEL_IMU_RING=16
+ * flags --boolector --unwind 20 -DPEL_IMU_RING=17
  * quick
- * plant inertial/imu_ring.c: (ring->head + 1u) & (PEL_IMU_RING - 1u) => ring->head + 1u */
+ * plant inertial/imu_ring.c: (ring->head + 1u) % PEL_IMU_RING => ring->head + 1u */
 void ring_push(void)
 {
     pel_imu_ring_t ring;
@@ -28,9 +28,9 @@ void ring_push(void)
 
 /* PROVE ring_at: any index
  * sources inertial/imu_ring.c
- * flags --unwind 19 -DPEL_IMU_RING=16
+ * flags --unwind 20 -DPEL_IMU_RING=17
  * quick
- * plant inertial/imu_ring.c: (unsigned)i) & (PEL_IMU_RING - 1u)] => (unsigned)i)] */
+ * plant inertial/imu_ring.c: (unsigned)i) % PEL_IMU_RING] => (unsigned)i)] */
 void ring_at(void)
 {
     pel_imu_ring_t ring;
@@ -42,7 +42,7 @@ void ring_at(void)
 
 /* PROVE ring_after: a search for any time ends inside the ring, in order or not
  * sources inertial/imu_ring.c
- * flags --unwind 19 -DPEL_IMU_RING=16
+ * flags --unwind 20 -DPEL_IMU_RING=17
  * plant inertial/imu_ring.c: low = mid + 1; => low = mid + 2; */
 void ring_after(void)
 {

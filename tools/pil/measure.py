@@ -15,7 +15,7 @@ from pelorus_tools import frames
 
 SECONDS = 20
 LOAD = captures.simulated("scenarios/full_load.toml", SECONDS)
-SMALL = ("PEL_MAX_OBS=32 PEL_MAX_SATS=16 PEL_MAX_EPH=16 PEL_MAX_AMB=24 PEL_MAX_STATES=24 PEL_MAX_TRACKED=32 PEL_IMU_RING=128 "
+SMALL = ("PEL_MAX_OBS=32 PEL_MAX_SATS=16 PEL_MAX_EPH=16 PEL_MAX_AMB=24 PEL_MAX_STATES=24 PEL_MAX_TRACKED=32 PEL_IMU_RING=100 "
          "PEL_POSE_RING=32")  # 24 states, 2 x 32 signals, 0.5 s of a 200 Hz IMU: what the design's budget of RAM is for
 
 

@@ -59,6 +59,6 @@ _Static_assert(PEL_MAX_EPH >= 8 && PEL_MAX_EPH <= 200, "PEL_MAX_EPH: 8 to 200");
 _Static_assert(PEL_MAX_STATES >= 18 && PEL_MAX_STATES <= 96, "PEL_MAX_STATES: 18 to 96");
 _Static_assert(PEL_MAX_AMB >= 6 && PEL_MAX_AMB <= 64, "PEL_MAX_AMB: 6 to 64");
 _Static_assert(PEL_NAV_SLOTS >= 4 && PEL_NAV_SLOTS <= 128, "PEL_NAV_SLOTS: 4 to 128");
-_Static_assert(PEL_IMU_RING >= 16 && (PEL_IMU_RING & (PEL_IMU_RING - 1)) == 0, "PEL_IMU_RING: a power of two");
+_Static_assert(PEL_IMU_RING >= 16 && PEL_IMU_RING <= 32768, "PEL_IMU_RING: a ring that 16 bits count");
 
 #endif

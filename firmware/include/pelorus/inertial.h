@@ -83,7 +83,7 @@ void pel_strapdown_from_enu(const pel_strapdown_enu_t *s, pel_strapdown_t *out);
 
 /* ---- ring of increments ----------------------------------------------------------------------------------------- */
 
-/* The last PEL_IMU_RING increments in order of time; 72 bytes each, with a check of each: it waits for half a
+/* The last PEL_IMU_RING increments in order of time; 76 bytes each, with a check of each: it waits for half a
  * second, in which memory may change by itself. Callers read through the functions below. */
 typedef struct {
     pel_imu_t imu[PEL_IMU_RING];

@@ -2,8 +2,6 @@
 #include "pelorus/bits.h"
 #include "pelorus/inertial.h"
 
-_Static_assert((PEL_IMU_RING & (PEL_IMU_RING - 1)) == 0, "indices wrap by masking");
-
 /* Over what is used of an increment. */
 static uint32_t check_of(const pel_imu_t *imu)
 {
@@ -19,7 +17,7 @@ void pel_imu_ring_init(pel_imu_ring_t *ring)
 const pel_imu_t *pel_imu_ring_at(const pel_imu_ring_t *ring, int i)
 {
     if (i < 0 || i >= (int)ring->n) { return NULL; }
-    return &ring->imu[((unsigned)ring->head - ring->n + (unsigned)i) & (PEL_IMU_RING - 1u)];
+    return &ring->imu[((unsigned)ring->head + PEL_IMU_RING - ring->n + (unsigned)i) % PEL_IMU_RING];
 }
 
 bool pel_imu_ring_is_whole(const pel_imu_ring_t *ring, int i)
@@ -45,7 +43,7 @@ pel_status_t pel_imu_ring_push(pel_imu_ring_t *ring, const pel_imu_t *imu)
     if (newest != NULL && imu->t_ns <= newest->t_ns) { return PEL_E_STALE; }
     ring->imu[ring->head] = *imu;
     ring->imu[ring->head].check = check_of(imu);
-    ring->head = (uint16_t)((ring->head + 1u) & (PEL_IMU_RING - 1u));
+    ring->head = (uint16_t)((ring->head + 1u) % PEL_IMU_RING);
     if (ring->n < PEL_IMU_RING) { ring->n++; }
     return PEL_OK;
 }
