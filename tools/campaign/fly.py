@@ -7,13 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from campaign import scenario
-from pelorus_tools import outlog, stats, truth
+from pelorus_tools import frames, outlog, stats, truth
 
 ROOT = Path(__file__).resolve().parents[2]
 GROUPS = {"attitude": "att", "velocity": "vel", "position": "pos"}
 FACTOR = {"attitude": stats.ARCSEC, "velocity": 1.0, "position": 1.0}
 ENU = [1, 0, 2]         # of north, east, down: signs do not matter here
-FIXED, AT_EPOCH = 3, 8
 
 
 def call(*command):
@@ -38,8 +37,8 @@ def measure(run, case):
     reference = truth.from_events(run.truth_events, run.name)
     errors = stats.Errors(run.sol, reference, lever_ba_b=run.lever_ba_b)
     t = (run.sol["t_ns"] - reference.t_ns[0]) * 1e-9
-    epoch = (run.sol["flags"] & AT_EPOCH) != 0
-    fixed = np.flatnonzero(epoch & (run.sol["fix"] == FIXED))
+    epoch = (run.sol["flags"] & frames.SOL_AT_EPOCH) != 0
+    fixed = np.flatnonzero(epoch & (run.sol["fix"] == frames.FIX.index("fixed")))
     low, high = case["window_s"]
     inside = epoch & (t > low) & (t <= high) & np.isfinite(errors.err["att"]).all(1) & errors.have
     if not inside.any():

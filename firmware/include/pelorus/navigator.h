@@ -32,7 +32,7 @@ typedef enum {
     PEL_PRESET_INS_SINGLE = 3, /* 18-state INS with one receiver's code and Doppler */
     PEL_PRESET_INS_RTK = 4,    /* 18-state INS with DD code, phase, Doppler: S5 */
     PEL_PRESET_INS_FLOAT = 5,  /* 18-state INS in local axes with DD phase, integers from its float ambiguities: S2 */
-    PEL_PRESET_INS_TDCP = 6,   /* and with the rover's own phases, as floats: S3 */
+    PEL_PRESET_INS_TDCP = 6,   /* INS_SINGLE and the receiver's own phases, as floats: S3 */
     PEL_N_PRESETS = 7
 } pel_preset_t;
 
@@ -152,8 +152,8 @@ typedef struct {
     float direction_s;                                    /* straight driving that it is the mean of */
     float sum[3], sum_sq[3], sum_f[3], n_samples, span_s; /* angular rates and specific force of the window under way */
     float f_b[3];                                         /* mean of the last window */
-    float rest_var,
-        rests; /* variance of angular rates at rest, of three axes together, and windows it is the mean of */
+    float rest_var; /* variance of angular rates at rest, of three axes together, */
+    float rests;    /* and of how many windows it is the mean */
     bool quiet;
     pel_time_t quiet_since_ns, judged_ns, updated_ns;
 } pel_wheels_t;
@@ -416,8 +416,7 @@ void pel_navigator_push_event(pel_navigator_t *nav, pel_time_t t_ns, uint32_t id
 bool pel_navigator_flush(pel_navigator_t *nav);
 
 /* The configuration is no longer what was given: memory has changed by itself. Epochs, ephemerides and stations are refused
- * and the IMU alone carries on; begin again with
- * pel_navigator_init() and a configuration from elsewhere. */
+ * and the IMU alone carries on; begin again with pel_navigator_init() and a configuration from elsewhere. */
 bool pel_navigator_is_broken(const pel_navigator_t *nav);
 
 /* What is ready, one a call, in order of time; PEL_NAV_NONE when there is no more. */

@@ -288,6 +288,12 @@ pel_status_t pel_nav_vehicle_begin(pel_navigator_t *nav);
 
 void pel_nav_vehicle_baro(pel_navigator_t *nav, const pel_baro_t *baro);
 
+/* A row about the vehicle into the filter, with this 1 sigma, and counted; three that say it does not move. */
+void pel_nav_known_row(pel_navigator_t *nav, const pel_nav_axes_t *axes, const pel_antenna_t *ant, pel_row_t *row,
+                       double sd, pel_real gate);
+void pel_nav_rest_rows(pel_navigator_t *nav, const pel_nav_axes_t *axes, const pel_antenna_t *ant, double sd_mps,
+                       pel_real gate);
+
 /* Rows of each epoch, after the satellites'. */
 void pel_nav_vehicle_rows(pel_navigator_t *nav);
 void pel_nav_vehicle_close_loop(pel_navigator_t *nav);

@@ -71,24 +71,25 @@ void pel_nav_vehicle_baro(pel_navigator_t *nav, const pel_baro_t *baro)
     nav->vehicle.baro_waits = true;
 }
 
-static void update(pel_navigator_t *nav, const pel_nav_axes_t *axes, pel_row_t *row, double sd)
+void pel_nav_known_row(pel_navigator_t *nav, const pel_nav_axes_t *axes, const pel_antenna_t *ant, pel_row_t *row,
+                       double sd, pel_real gate)
 {
-    pel_real nis;
-    pel_nav_turn_row(axes, &nav->update.ant, row);
+    pel_nav_turn_row(axes, ant, row);
     row->var = (pel_real)(sd * sd);
-    const bool used = pel_ud_update(&nav->ud, row->h, row->first, row->z, row->var, GATE_SIGMA, &nis) == PEL_OK;
+    const bool used = pel_ud_update(&nav->ud, row->h, row->first, row->z, row->var, gate, NULL) == PEL_OK;
     nav->counters.rows_used += used;
     nav->counters.rows_gated += !used;
 }
 
-static void standing_rows(pel_navigator_t *nav, const pel_nav_axes_t *axes)
+void pel_nav_rest_rows(pel_navigator_t *nav, const pel_nav_axes_t *axes, const pel_antenna_t *ant, double sd_mps,
+                       pel_real gate)
 {
     for (int k = 0; k < 3; k++) {
-        double along[3] = {0.0, 0.0, 0.0};
+        double along_e[3] = {0.0, 0.0, 0.0};
         pel_row_t row;
-        along[k] = 1.0;
-        pel_observe_velocity(&nav->update.ant, along, nav->at_horizon.v_eb_e[k], &row);
-        update(nav, axes, &row, STANDS_SD_MPS);
+        along_e[k] = 1.0;
+        pel_observe_velocity(ant, along_e, nav->at_horizon.v_eb_e[k], &row);
+        pel_nav_known_row(nav, axes, ant, &row, sd_mps, gate);
     }
 }
 
@@ -119,7 +120,7 @@ static void height_row(pel_navigator_t *nav, const pel_nav_axes_t *axes)
     for (int k = 0; k < 3; k++) { imu.lever_e[k] = 0.0; }
     const double dh_m = h - reference_m - nav->vehicle.deviation_m;
     pel_observe_height(&imu, C_e_enu[2], dh_m, nav->vehicle.height_state, &row);
-    update(nav, axes, &row, sd_m);
+    pel_nav_known_row(nav, axes, &nav->update.ant, &row, sd_m, GATE_SIGMA);
 }
 
 /* The deviation of the height's reference since the epoch before. */
@@ -142,7 +143,7 @@ void pel_nav_vehicle_rows(pel_navigator_t *nav)
     pel_nav_axes_t axes;
     if (!nav->ins) { return; }
     pel_nav_axes(nav, &axes);
-    if (is_told_to_stand(nav)) { standing_rows(nav, &axes); }
+    if (is_told_to_stand(nav)) { pel_nav_rest_rows(nav, &axes, &nav->update.ant, STANDS_SD_MPS, GATE_SIGMA); }
     if (nav->vehicle.height_state < 0) { return; }
     age_deviation(nav);
     height_row(nav, &axes);

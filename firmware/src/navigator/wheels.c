@@ -90,24 +90,6 @@ void pel_nav_wheels_increment(pel_navigator_t *nav, const pel_imu_t *body)
     w->judged_ns = body->t_ns;
 }
 
-static void use(pel_navigator_t *nav, pel_row_t *row, double sd, pel_real gate)
-{
-    row->var = (pel_real)(sd * sd);
-    (void)pel_ud_update(&nav->ud, row->h, row->first, row->z, row->var, gate, NULL);
-}
-
-static void stand(pel_navigator_t *nav, const pel_nav_axes_t *axes, const pel_antenna_t *ant)
-{
-    pel_row_t row;
-    for (int k = 0; k < 3; k++) {
-        double along_e[3] = {0.0, 0.0, 0.0};
-        along_e[k] = 1.0;
-        pel_observe_velocity(ant, along_e, nav->at_horizon.v_eb_e[k], &row);
-        pel_nav_turn_row(axes, ant, &row);
-        use(nav, &row, STAND_MPS, 0);
-    }
-}
-
 /* ---- rolling ------------------------------------------------------------------------------------------------------- */
 
 static bool is_direction(const float d[3])
@@ -155,8 +137,7 @@ static void roll(pel_navigator_t *nav, const pel_nav_axes_t *axes, const pel_ant
     const double var = variance_across(pel_norm3(s->v_eb_e), pel_norm3(omega_b), dt_s);
     for (int axis = 0; axis <= 2; axis += 2) {
         pel_observe_body_velocity(ant, C_v_e, s->v_eb_e, no_arm, axis, 0.0, &row);
-        pel_nav_turn_row(axes, ant, &row);
-        use(nav, &row, pel_sqrt(var), SLIDING);
+        pel_nav_known_row(nav, axes, ant, &row, pel_sqrt(var), SLIDING);
     }
 }
 
@@ -201,7 +182,7 @@ bool pel_nav_wheels_update(pel_navigator_t *nav)
     pel_nav_axes(nav, &axes);
     pel_nav_antenna(nav, &ant, r_e, v_e);
     if (stands) {
-        stand(nav, &axes, &ant);
+        pel_nav_rest_rows(nav, &axes, &ant, STAND_MPS, 0);
     } else {
         roll(nav, &axes, &ant, UPDATE_S);
     }

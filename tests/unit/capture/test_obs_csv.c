@@ -216,16 +216,22 @@ static void what_was_taken_out_is_put_back(void)
     nav_set_free(&nav);
 }
 
+/* Without what was removed, n satellites at T0. */
+static void begin_restoring(const obs_removed_t *removed, nav_set_t *nav, int n)
+{
+    nav_set_init(nav);
+    make_orbits(nav);
+    obs_restore_open(&restore, removed, nav, T0 - PEL_NS_PER_S, &tally);
+    memset(&epoch, 0, sizeof epoch);
+    epoch.t_ns = T0;
+    epoch.n = (uint16_t)n;
+}
+
 static void a_satellite_without_orbit_is_left_out(void)
 {
     const obs_removed_t removed = {.satellite_clock = true};
     nav_set_t nav;
-    nav_set_init(&nav);
-    make_orbits(&nav);
-    obs_restore_open(&restore, &removed, &nav, T0 - PEL_NS_PER_S, &tally);
-    memset(&epoch, 0, sizeof epoch);
-    epoch.t_ns = T0;
-    epoch.n = 2;
+    begin_restoring(&removed, &nav, 2);
     epoch.obs[0] = (pel_obs_t){.sys = PEL_SYS_GPS, .prn = 31, .P_m = 2.1e7, .flags = PEL_OBS_CODE};
     epoch.obs[1] = (pel_obs_t){.sys = PEL_SYS_GPS, .prn = 2, .P_m = 2.1e7, .flags = PEL_OBS_CODE};
     TEST_ASSERT_TRUE(obs_restore_epoch(&restore, &epoch));
@@ -241,12 +247,7 @@ static void a_clock_that_cannot_be_found_leaves_the_epoch_out(void)
 {
     const obs_removed_t removed = {.receiver_clock = true};
     nav_set_t nav;
-    nav_set_init(&nav);
-    make_orbits(&nav);
-    obs_restore_open(&restore, &removed, &nav, T0 - PEL_NS_PER_S, &tally);
-    memset(&epoch, 0, sizeof epoch);
-    epoch.t_ns = T0;
-    epoch.n = 1;
+    begin_restoring(&removed, &nav, 1);
     epoch.obs[0] = (pel_obs_t){.sys = PEL_SYS_GPS, .prn = 2, .P_m = 2.1e7, .flags = PEL_OBS_CODE};
     TEST_ASSERT_FALSE(obs_restore_epoch(&restore, &epoch));
     TEST_ASSERT_EQUAL_UINT64(1, tally_get(&tally, "epochs whose receiver clock is not known"));

@@ -152,3 +152,14 @@ double carried_error_m(const carried_t *c, const pel_navigator_t *nav)
     }
     return sqrt(sq);
 }
+
+double carried_wandered_by(pel_navigator_t *nav, void (*wander)(pel_navigator_t *), double dt_s)
+{
+    int i = 0;
+    while (nav->track.entry[i].state < 0) { i++; }
+    const int s = nav->track.entry[i].state;
+    const double before = (double)pel_ud_cov(&nav->ud, s, s);
+    nav->track.wandered_ns = nav->at_horizon.t_ns - (int64_t)(dt_s * 1e9);
+    wander(nav);
+    return (double)pel_ud_cov(&nav->ud, s, s) - before;
+}

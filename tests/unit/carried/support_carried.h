@@ -47,4 +47,7 @@ void carried_run(carried_t *c, pel_navigator_t *nav, int seconds);
 /* Distance of the state at the horizon from the truth, m. */
 double carried_error_m(const carried_t *c, const pel_navigator_t *nav);
 
+/* How much the variance of the first float phase grows when they wandered so long ago. */
+double carried_wandered_by(pel_navigator_t *nav, void (*wander)(pel_navigator_t *), double dt_s);
+
 #endif

@@ -157,3 +157,19 @@ void scene_observe(const scene_t *s, const pel_orbits_t *o, pel_time_t t_ns, uns
         e->obs[i].L_cyc += (sight->tropo_m - iono) / lambda;
     }
 }
+
+void gnss_hand_some_to_qzss(pel_orbits_t *orbits, pel_epoch_t *epoch)
+{
+    for (int i = 0; i < orbits->n; i++) {
+        pel_ephemeris_t *eph = &orbits->eph[i];
+        if (eph->sys != PEL_SYS_GPS || eph->prn < 11 || eph->prn > 20) { continue; }
+        eph->sys = PEL_SYS_QZS;
+        eph->prn = (uint8_t)(eph->prn - 10);
+    }
+    for (int i = 0; i < epoch->n; i++) {
+        pel_obs_t *obs = &epoch->obs[i];
+        if (obs->sys != PEL_SYS_GPS || obs->prn < 11 || obs->prn > 20) { continue; }
+        obs->sys = PEL_SYS_QZS;
+        obs->prn = (uint8_t)(obs->prn - 10);
+    }
+}

@@ -30,4 +30,7 @@ void scene_observe(const scene_t *s, const pel_orbits_t *o, pel_time_t t_ns, uns
 /* The integer scene_observe() gives a phase. */
 double scene_integer(uint8_t sys, uint8_t prn, uint8_t carrier);
 
+/* GPS satellites 11 to 20 become J01 to J10: numbers that GPS has as well. */
+void gnss_hand_some_to_qzss(pel_orbits_t *orbits, pel_epoch_t *epoch);
+
 #endif

@@ -205,29 +205,12 @@ static void a_receiver_alone_gives_the_same_rows(void)
     TEST_ASSERT_TRUE(set.sd[0].var_code > 1.0 + 0.09); /* half of a URA of 2 m */
 }
 
-/* GPS satellites 11 to 20 become J01 to J10: numbers that GPS has as well. */
-static void hand_some_to_qzss(pel_epoch_t *epoch)
-{
-    for (int i = 0; i < o.n; i++) {
-        pel_ephemeris_t *eph = &o.eph[i];
-        if (eph->sys != PEL_SYS_GPS || eph->prn < 11 || eph->prn > 20) { continue; }
-        eph->sys = PEL_SYS_QZS;
-        eph->prn = (uint8_t)(eph->prn - 10);
-    }
-    for (int i = 0; i < epoch->n; i++) {
-        pel_obs_t *obs = &epoch->obs[i];
-        if (obs->sys != PEL_SYS_GPS || obs->prn < 11 || obs->prn > 20) { continue; }
-        obs->sys = PEL_SYS_QZS;
-        obs->prn = (uint8_t)(obs->prn - 10);
-    }
-}
-
 static void gps_and_qzss_share_a_clock_for_a_receiver_alone(void)
 {
     observe(0.0, GPS);
     TEST_ASSERT_EQUAL(PEL_OK, pel_sd_undifferenced(&rover, &rover_view, &noise, &set));
     const int rows = set.n;
-    hand_some_to_qzss(&rover);
+    gnss_hand_some_to_qzss(&o, &rover);
     (void)pel_view_compute(&rover, &o, rover.t_ns, at_rover.r_e, at_rover.v_e, MASK, NULL, &rover_view);
     TEST_ASSERT_EQUAL(PEL_OK, pel_sd_undifferenced(&rover, &rover_view, &noise, &set));
     int qzss = 0, pivots = 0;

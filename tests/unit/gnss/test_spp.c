@@ -160,23 +160,6 @@ static void a_clock_between_systems_is_solved_for(void)
     TEST_ASSERT_TRUE(distance(out.r_ea_e, s.r_e) < 1e-2);
 }
 
-/* GPS satellites 11 to 20 become J01 to J10: numbers that GPS has as well. */
-static void hand_some_to_qzss(pel_epoch_t *epoch)
-{
-    for (int i = 0; i < o.n; i++) {
-        pel_ephemeris_t *eph = &o.eph[i];
-        if (eph->sys != PEL_SYS_GPS || eph->prn < 11 || eph->prn > 20) { continue; }
-        eph->sys = PEL_SYS_QZS;
-        eph->prn = (uint8_t)(eph->prn - 10);
-    }
-    for (int i = 0; i < epoch->n; i++) {
-        pel_obs_t *obs = &epoch->obs[i];
-        if (obs->sys != PEL_SYS_GPS || obs->prn < 11 || obs->prn > 20) { continue; }
-        obs->sys = PEL_SYS_QZS;
-        obs->prn = (uint8_t)(obs->prn - 10);
-    }
-}
-
 /* Two clocks would ask for five. */
 static void four_satellites_of_gps_and_qzss_are_a_position(void)
 {
@@ -184,7 +167,7 @@ static void four_satellites_of_gps_and_qzss_are_a_position(void)
     static pel_epoch_t four;
     int qzss = 0;
     scene_observe(&s, &o, SKY_T0, GPS, &e);
-    hand_some_to_qzss(&e);
+    gnss_hand_some_to_qzss(&o, &e);
     memset(&four, 0, sizeof four);
     four.t_ns = e.t_ns;
     for (int i = 0; i < e.n; i++) {

@@ -162,28 +162,17 @@ static void an_heir_without_a_rate_takes_the_number_alone(void)
     TEST_ASSERT_EQUAL(PEL_OK, pel_ud_check(&nav.ud));
 }
 
-static double wandered_by(double dt_s)
-{
-    int i = 0;
-    while (nav.track.entry[i].state < 0) { i++; }
-    const int s = nav.track.entry[i].state;
-    const double before = (double)pel_ud_cov(&nav.ud, s, s);
-    nav.track.wandered_ns = nav.at_horizon.t_ns - (int64_t)(dt_s * 1e9);
-    pel_nav_rover_phase_walk(&nav);
-    return (double)pel_ud_cov(&nav.ud, s, s) - before;
-}
-
 static void offsets_walk_with_time_and_not_back_seen_or_not(void)
 {
-    const double seen = wandered_by(1.0);
+    const double seen = carried_wandered_by(&nav, pel_nav_rover_phase_walk, 1.0);
     TEST_ASSERT_TRUE(seen > 0.0);
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, wandered_by(0.3)); /* with the next epoch */
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, wandered_by(-2.0));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, carried_wandered_by(&nav, pel_nav_rover_phase_walk, 0.3)); /* with the next epoch */
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, carried_wandered_by(&nav, pel_nav_rover_phase_walk, -2.0));
     nav = good;
     for (int i = 0; i < nav.sd.n; i++) {
         nav.sd.sd[i].sys = PEL_SYS_GAL;
     } /* no one is seen: paths walk, phases make no noise */
-    const double unseen = wandered_by(1.0);
+    const double unseen = carried_wandered_by(&nav, pel_nav_rover_phase_walk, 1.0);
     TEST_ASSERT_TRUE(unseen > 0.0);
     TEST_ASSERT_TRUE(unseen < seen);
 }

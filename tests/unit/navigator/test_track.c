@@ -360,27 +360,16 @@ static void the_age_of_a_phase_stops_at_its_largest_number(void)
 
 /* ---- wandering --------------------------------------------------------------------------------------------------------------------------- */
 
-static double wandered_by(double dt_s)
-{
-    int i = 0;
-    while (nav.track.entry[i].state < 0) { i++; }
-    const int s = nav.track.entry[i].state;
-    const double before = (double)pel_ud_cov(&nav.ud, s, s);
-    nav.track.wandered_ns = nav.at_horizon.t_ns - (int64_t)(dt_s * 1e9);
-    pel_nav_track_wander(&nav);
-    return (double)pel_ud_cov(&nav.ud, s, s) - before;
-}
-
 static void float_ambiguities_wander_with_time_and_not_back(void)
 {
-    const double one = wandered_by(1.0);
+    const double one = carried_wandered_by(&nav, pel_nav_track_wander, 1.0);
     TEST_ASSERT_GREATER_THAN_DOUBLE(1e-6, one);
-    TEST_ASSERT_DOUBLE_WITHIN(0.05 * one, 2.0 * one, wandered_by(2.0));
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, wandered_by(0.5)); /* with the next epoch */
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, wandered_by(-3.0));
+    TEST_ASSERT_DOUBLE_WITHIN(0.05 * one, 2.0 * one, carried_wandered_by(&nav, pel_nav_track_wander, 2.0));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, carried_wandered_by(&nav, pel_nav_track_wander, 0.5)); /* with the next epoch */
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, carried_wandered_by(&nav, pel_nav_track_wander, -3.0));
     TEST_ASSERT_EQUAL_INT64(nav.at_horizon.t_ns, nav.track.wandered_ns);
     nav.cfg.phase_tau_s = 0.0; /* white: they do not */
-    TEST_ASSERT_EQUAL_DOUBLE(0.0, wandered_by(1.0));
+    TEST_ASSERT_EQUAL_DOUBLE(0.0, carried_wandered_by(&nav, pel_nav_track_wander, 1.0));
 }
 
 int main(void)

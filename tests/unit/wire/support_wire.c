@@ -2,6 +2,8 @@
 
 #include <string.h>
 
+#include "../../../firmware/src/wire/framing.h"
+
 static const struct {
     uint8_t carrier[2];
     char code[2];
@@ -106,4 +108,17 @@ uint32_t support_random(void)
     seed ^= seed >> 17;
     seed ^= seed << 5;
     return seed;
+}
+
+int support_push_rtcm3(pel_receiver_t *rx, uint8_t *frame, size_t n_bits, pel_rx_event_t kind)
+{
+    return support_push(rx, frame, pel_rtcm3_seal(n_bits, frame, PEL_MAX_FRAME_BYTES), kind);
+}
+
+void support_push_msm7(pel_receiver_t *rx, pel_time_t t, pel_sys_t sys, bool more)
+{
+    static pel_epoch_t epoch;
+    static uint8_t frame[PEL_MAX_FRAME_BYTES];
+    support_epoch(&epoch, t, sys, 2);
+    (void)support_push(rx, frame, pel_rtcm3_encode_msm(&epoch, sys, 7, 1, more, frame, sizeof frame), PEL_RX_EPOCH);
 }

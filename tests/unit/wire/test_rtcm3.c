@@ -9,7 +9,6 @@
 #define S PEL_NS_PER_S
 
 static pel_receiver_t rx;
-static pel_epoch_t epoch;
 static uint8_t frame[PEL_MAX_FRAME_BYTES];
 static uint8_t *const message = frame + 3;
 
@@ -19,18 +18,6 @@ void setUp(void)
     pel_receiver_set_time(&rx, T0);
 }
 void tearDown(void) {}
-
-/* Seals n_bits that begin at `message` and pushes them. */
-static int push(size_t n_bits, pel_rx_event_t kind)
-{
-    return support_push(&rx, frame, pel_rtcm3_seal(n_bits, frame, sizeof frame), kind);
-}
-
-static void push_msm(pel_time_t t, pel_sys_t sys, bool more)
-{
-    support_epoch(&epoch, t, sys, 2);
-    (void)support_push(&rx, frame, pel_rtcm3_encode_msm(&epoch, sys, 7, 1, more, frame, sizeof frame), PEL_RX_EPOCH);
-}
 
 /* ---- dispatch -------------------------------------------------------------------------------------------------------- */
 
@@ -49,13 +36,14 @@ static void messages_of_observations_end_an_epoch_though_they_are_not_read(void)
     };
     for (size_t i = 0; i < sizeof CASE / sizeof CASE[0]; i++) {
         setUp();
-        push_msm(T0, PEL_SYS_GPS, true);
+        support_push_msm7(&rx, T0, PEL_SYS_GPS, true);
         memset(message, 0, 30);
         pel_bits_put(message, 0, 12, CASE[i].number);
-        TEST_ASSERT_EQUAL_INT_MESSAGE(CASE[i].ends ? 1 : 0, push(240, PEL_RX_EPOCH), "");
+        TEST_ASSERT_EQUAL_INT_MESSAGE(CASE[i].ends ? 1 : 0, support_push_rtcm3(&rx, frame, 240, PEL_RX_EPOCH), "");
         TEST_ASSERT_EQUAL_UINT32(1, rx.counters.unknown);
-        TEST_ASSERT_EQUAL_UINT32(1, rx.counters.frames);   /* the one before */
-        TEST_ASSERT_EQUAL_INT(0, push(240, PEL_RX_EPOCH)); /* nothing is being collected now, or still is */
+        TEST_ASSERT_EQUAL_UINT32(1, rx.counters.frames); /* the one before */
+        TEST_ASSERT_EQUAL_INT(
+            0, support_push_rtcm3(&rx, frame, 240, PEL_RX_EPOCH)); /* nothing is being collected now, or still is */
     }
 }
 
@@ -69,11 +57,12 @@ static void a_message_cut_before_its_flag_ends_no_epoch(void)
     for (size_t i = 0; i < 3; i++) {
         for (int what = 0; what < 3; what++) {
             setUp();
-            push_msm(T0, PEL_SYS_GPS, true);
+            support_push_msm7(&rx, T0, PEL_SYS_GPS, true);
             memset(message, 0, 30);
             pel_bits_put(message, 0, 12, CASE[i].number);
             if (what == 1) { pel_bits_put(message, CASE[i].flag, 1, 1); }
-            TEST_ASSERT_EQUAL_INT((what == 0) ? 1 : 0, push((what == 2) ? 48 : 56, PEL_RX_EPOCH));
+            TEST_ASSERT_EQUAL_INT((what == 0) ? 1 : 0,
+                                  support_push_rtcm3(&rx, frame, (what == 2) ? 48 : 56, PEL_RX_EPOCH));
         }
     }
 }
@@ -93,7 +82,7 @@ static void messages_that_are_read_are_told_apart(void)
             setUp();
             memset(message, 0, 80);
             pel_bits_put(message, 0, 12, CASE[i].number);
-            (void)push((cut == 0) ? 640 : 56, PEL_RX_NONE);
+            (void)support_push_rtcm3(&rx, frame, (cut == 0) ? 640 : 56, PEL_RX_NONE);
             TEST_ASSERT_EQUAL_UINT32((cut == 0) ? CASE[i].length : 1, rx.counters.bad_length);
             TEST_ASSERT_EQUAL_UINT32((cut == 0) ? CASE[i].value : 0, rx.counters.bad_value);
             TEST_ASSERT_EQUAL_UINT32(0, rx.counters.unknown);
@@ -104,11 +93,11 @@ static void messages_that_are_read_are_told_apart(void)
 
 static void a_frame_without_a_message_is_unknown(void)
 {
-    TEST_ASSERT_EQUAL_INT(0, push(0, PEL_RX_EPOCH));
+    TEST_ASSERT_EQUAL_INT(0, support_push_rtcm3(&rx, frame, 0, PEL_RX_EPOCH));
     TEST_ASSERT_EQUAL_UINT32(1, rx.counters.unknown);
     TEST_ASSERT_EQUAL_UINT32(0, rx.counters.bad_length);
     pel_bits_put(message, 0, 12, 1005); /* with a number and nothing else it is that message, cut */
-    (void)push(16, PEL_RX_STATION);
+    (void)support_push_rtcm3(&rx, frame, 16, PEL_RX_STATION);
     TEST_ASSERT_EQUAL_UINT32(1, rx.counters.unknown);
     TEST_ASSERT_EQUAL_UINT32(1, rx.counters.bad_length);
 }
@@ -155,9 +144,9 @@ static void a_station_of_1006_without_its_height_is_cut(void)
 {
     const pel_station_t s = {.id = 5, .r_ea_e = {4.0e6, 1.0e6, 4.8e6}};
     (void)pel_rtcm3_encode_station(&s, 1006, frame, sizeof frame);
-    TEST_ASSERT_EQUAL_INT(0, push(8 * 20, PEL_RX_STATION));
+    TEST_ASSERT_EQUAL_INT(0, support_push_rtcm3(&rx, frame, 8 * 20, PEL_RX_STATION));
     TEST_ASSERT_EQUAL_UINT32(1, rx.counters.bad_length);
-    TEST_ASSERT_EQUAL_INT(1, push(8 * 21, PEL_RX_STATION));
+    TEST_ASSERT_EQUAL_INT(1, support_push_rtcm3(&rx, frame, 8 * 21, PEL_RX_STATION));
 }
 
 int main(void)

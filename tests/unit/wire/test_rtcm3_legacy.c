@@ -22,17 +22,6 @@ void setUp(void)
 }
 void tearDown(void) {}
 
-static int push(size_t n_bits, pel_rx_event_t kind)
-{
-    return support_push(&rx, frame, pel_rtcm3_seal(n_bits, frame, sizeof frame), kind);
-}
-
-static void push_msm(pel_time_t t, pel_sys_t sys, bool more)
-{
-    support_epoch(&epoch, t, sys, 2);
-    (void)support_push(&rx, frame, pel_rtcm3_encode_msm(&epoch, sys, 7, 1, more, frame, sizeof frame), PEL_RX_EPOCH);
-}
-
 /* One satellite as it is sent. Range: 21 000 km, of which whole milliseconds apart. */
 typedef struct {
     unsigned sv, code_1, code_2, channel;
@@ -78,14 +67,14 @@ static size_t message_of(bool glonass, pel_time_t t, const sat_t *s, int n, bool
 
 static int push_sat(sat_t s, bool glonass)
 {
-    return push(message_of(glonass, T0, &s, 1, false), PEL_RX_EPOCH);
+    return support_push_rtcm3(&rx, frame, message_of(glonass, T0, &s, 1, false), PEL_RX_EPOCH);
 }
 
 /* 1012 needs a day: an epoch of Galileo a second before. */
 static void tell_the_day(void)
 {
     setUp();
-    push_msm(T0 - S, PEL_SYS_GAL, false);
+    support_push_msm7(&rx, T0 - S, PEL_SYS_GAL, false);
 }
 
 static void a_satellite_gives_two_signals_with_their_lock_and_strength(void)
@@ -184,15 +173,16 @@ static void what_an_msm_tells_is_not_taken_again(void)
     const sat_t sats[2] = {GPS_SAT, {.sv = 40, .range = 1000}};
     for (int after_s = 59; after_s <= 60; after_s++) {
         setUp();
-        push_msm(T0, PEL_SYS_GPS, false);
-        TEST_ASSERT_EQUAL_INT(1, push(message_of(false, T0 + after_s * S, sats, 2, false), PEL_RX_EPOCH));
+        support_push_msm7(&rx, T0, PEL_SYS_GPS, false);
+        TEST_ASSERT_EQUAL_INT(
+            1, support_push_rtcm3(&rx, frame, message_of(false, T0 + after_s * S, sats, 2, false), PEL_RX_EPOCH));
         TEST_ASSERT_EQUAL_UINT16((after_s < 60) ? 1 : 3, rx.epoch.n);
         TEST_ASSERT_EQUAL_UINT8((after_s < 60) ? PEL_SYS_SBS : PEL_SYS_GPS, rx.epoch.obs[0].sys);
         TEST_ASSERT_EQUAL_UINT32((after_s < 60) ? 1 : 0, rx.counters.duplicate);
         setUp();
-        push_msm(T0, PEL_SYS_GLO, false);
+        support_push_msm7(&rx, T0, PEL_SYS_GLO, false);
         const size_t n = message_of(true, T0 + after_s * S, &GLO_SAT, 1, false);
-        TEST_ASSERT_EQUAL_INT((after_s < 60) ? 0 : 1, push(n, PEL_RX_EPOCH));
+        TEST_ASSERT_EQUAL_INT((after_s < 60) ? 0 : 1, support_push_rtcm3(&rx, frame, n, PEL_RX_EPOCH));
     }
 }
 
@@ -201,15 +191,15 @@ static void a_message_shorter_than_its_satellites_is_refused(void)
     sat_t sats[8];
     for (int i = 0; i < 8; i++) { sats[i] = GPS_SAT; }
     TEST_ASSERT_EQUAL_size_t(8 * 133, message_of(false, T0, sats, 8, false)); /* eight end with a byte */
-    TEST_ASSERT_EQUAL_INT(1, push(8 * 133, PEL_RX_EPOCH));
+    TEST_ASSERT_EQUAL_INT(1, support_push_rtcm3(&rx, frame, 8 * 133, PEL_RX_EPOCH));
     for (int glonass = 0; glonass < 2; glonass++) {
         for (size_t cut = 0; cut < 2; cut++) {
             tell_the_day();
             const size_t n = (message_of(glonass != 0, T0, sats, 2, false) + 7) / 8;
-            (void)push(8 * (n - cut), PEL_RX_EPOCH);
+            (void)support_push_rtcm3(&rx, frame, 8 * (n - cut), PEL_RX_EPOCH);
             TEST_ASSERT_EQUAL_UINT32((cut == 0) ? 0 : 1, rx.counters.bad_length);
             (void)message_of(glonass != 0, T0, sats, 0, false);
-            (void)push(56, PEL_RX_EPOCH); /* not even a header */
+            (void)support_push_rtcm3(&rx, frame, 56, PEL_RX_EPOCH); /* not even a header */
             TEST_ASSERT_EQUAL_UINT32((cut == 0) ? 1 : 2, rx.counters.bad_length);
         }
     }
@@ -223,7 +213,7 @@ static void without_a_week_or_a_day_there_is_no_time(void)
     TEST_ASSERT_EQUAL_UINT32(2, rx.counters.unknown);
     /* the epoch that is being collected tells the day as well as one that was given */
     setUp();
-    push_msm(T0, PEL_SYS_GAL, true);
+    support_push_msm7(&rx, T0, PEL_SYS_GAL, true);
     TEST_ASSERT_EQUAL_INT(1, push_sat(GLO_SAT, true));
     TEST_ASSERT_EQUAL_UINT16(6, rx.epoch.n);
 }
@@ -234,7 +224,7 @@ static void a_day_may_have_a_leap_second_and_no_more(void)
         tell_the_day();
         const size_t n = message_of(true, T0, &GLO_SAT, 1, false);
         pel_bits_put(message, 24, 27, 86400999u + extra);
-        (void)push(n, PEL_RX_EPOCH);
+        (void)support_push_rtcm3(&rx, frame, n, PEL_RX_EPOCH);
         TEST_ASSERT_EQUAL_UINT32(extra, rx.counters.bad_value);
     }
 }
@@ -242,9 +232,9 @@ static void a_day_may_have_a_leap_second_and_no_more(void)
 static void more_of_the_same_epoch_may_follow(void)
 {
     tell_the_day();
-    TEST_ASSERT_EQUAL_INT(0, push(message_of(false, T0, &GPS_SAT, 1, true), PEL_RX_EPOCH));
-    TEST_ASSERT_EQUAL_INT(0, push(message_of(true, T0, &GLO_SAT, 1, true), PEL_RX_EPOCH));
-    push_msm(T0, PEL_SYS_GAL, false);
+    TEST_ASSERT_EQUAL_INT(0, support_push_rtcm3(&rx, frame, message_of(false, T0, &GPS_SAT, 1, true), PEL_RX_EPOCH));
+    TEST_ASSERT_EQUAL_INT(0, support_push_rtcm3(&rx, frame, message_of(true, T0, &GLO_SAT, 1, true), PEL_RX_EPOCH));
+    support_push_msm7(&rx, T0, PEL_SYS_GAL, false);
     TEST_ASSERT_EQUAL_UINT16(8, rx.epoch.n);
     TEST_ASSERT_FALSE(rx.collecting);
 }
